@@ -1,0 +1,230 @@
+// plantloop run: simulates a diagram; the result to a file, the figures to a folder, a summary to the terminal.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "app/command.h"
+#include "app/draw.h"
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "engine/run/diagram.h"
+
+namespace plantloop::app {
+
+namespace {
+
+struct RunOptions {
+  std::string file;
+  std::vector<std::string> set;
+  std::string out;
+  std::string figures;
+  std::string format = "png";
+  std::string solver;
+  double stop = NAN, step = NAN, rtol = NAN, atol = NAN, max_time = 0;
+  bool timing = false;
+  bool quiet = false;
+};
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+std::optional<double> given(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
+
+// "path=expression" texts as overrides; false after complaining.
+bool read_overrides(const std::vector<std::string>& texts, Overrides& overrides) {
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      complain(fmt::format("--set {}: it must be path=expression, as in --set controller.ki=20", text));
+      return false;
+    }
+    overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  return true;
+}
+
+std::string extension_of(const std::string& path) { return std::filesystem::path(path).extension().string(); }
+
+// A bar on a terminal once a run takes longer than a second; nothing in a pipe.
+class Progress {
+ public:
+  explicit Progress(bool wanted) : wanted_(wanted && is_terminal(STDERR_FILENO)), start_(seconds()) {}
+  ~Progress() { clear(); }
+  void operator()(double fraction) {
+    if (!wanted_ || seconds() - start_ < 1) return;
+    constexpr int width = 40;
+    const int full = static_cast<int>(fraction * width);
+    fmt::print(stderr, "\r[{}{}] {:3.0f} %", std::string(static_cast<std::size_t>(full), '#'),
+               std::string(static_cast<std::size_t>(width - full), ' '), fraction * 100);
+    std::fflush(stderr);
+    shown_ = true;
+  }
+  void clear() {
+    if (shown_) fmt::print(stderr, "\r{}\r", std::string(50, ' '));
+    shown_ = false;
+  }
+
+ private:
+  bool wanted_;
+  bool shown_ = false;
+  double start_;
+};
+
+std::string summary(const Diagram& diagram, const DiagramRun& run) {
+  const auto& s = run.statistics;
+  std::string text;
+  if (!diagram.model().title.empty()) text += diagram.model().title + "\n";
+  text += fmt::format("{} steps", s.solver.steps);
+  if (s.solver.rejected > 0) text += fmt::format(" ({} rejected)", s.solver.rejected);
+  text += fmt::format(", {} events, {} rows, to time {:g} s in {:.3f} s\n", s.events, s.rows, run.options.stop,
+                      run.timing.simulate);
+  std::size_t width = 0;
+  for (const auto& column : run.recording.columns) {
+    if (!column.hidden) width = std::max(width, column.name.size());
+  }
+  for (std::size_t i = 0; i < run.recording.columns.size() && run.recording.rows() > 0; ++i) {
+    const auto& column = run.recording.columns[i];
+    if (column.hidden) continue;
+    text += fmt::format("  {:<{}}  {:.9g}", column.name, width, run.recording.at(run.recording.rows() - 1, i));
+    text += column.unit.empty() ? "\n" : " " + column.unit + "\n";
+  }
+  return text;
+}
+
+std::string verdicts(const DiagramRun& run, bool only_failed) {
+  std::string text;
+  for (const Verdict& v : run.verdicts) {
+    if (only_failed && v.met) continue;
+    text += fmt::format("  {}  {}: {}\n", v.met ? "met    " : "NOT met", v.text, v.measured);
+  }
+  return text.empty() ? text : "expect:\n" + text;
+}
+
+bool write_result(const Recording& recording, const std::string& path) {
+  const std::string extension = extension_of(path);
+  std::string bytes = extension == ".json"  ? to_json(recording)
+                      : extension == ".npz" ? to_npz(recording)
+                                            : to_csv(recording);
+  const std::string error = write_file(path, bytes);
+  if (error.empty()) return true;
+  complain(fmt::format("cannot write '{}': {}", path, error));
+  return false;
+}
+
+bool check_paths(const RunOptions& o) {
+  if (!o.out.empty() && o.out != "-") {
+    const std::string extension = extension_of(o.out);
+    if (extension != ".csv" && extension != ".json" && extension != ".npz") {
+      complain(fmt::format("--out {}: the name must end in .csv, .json or .npz", o.out));
+      return false;
+    }
+  }
+  for (const std::string& format : split_formats(o.format)) {
+    if (format == "png" || format == "svg") continue;
+    complain(fmt::format("--format {}: there is no figure format '{}'; there are png and svg", o.format, format));
+    return false;
+  }
+  return true;
+}
+
+int run_diagram(const RunOptions& o) {
+  RunRequest request;
+  if (!read_overrides(o.set, request.set) || !check_paths(o)) return input_wrong;
+  request.stop = given(o.stop);
+  request.step = given(o.step);
+  request.rtol = given(o.rtol);
+  request.atol = given(o.atol);
+  if (!o.solver.empty()) request.solver = o.solver;
+
+  Report report;
+  const auto diagram = Diagram::load(o.file, report);
+  if (!diagram || report.has_errors()) {
+    print(report);
+    return input_wrong;
+  }
+  if (!request.stop && !diagram->model().simulation.stop && !diagram->model().is_library) {
+    complain(fmt::format("{} does not say when to stop: write  simulation: {{stop: 10}}  or give --stop 10", o.file));
+    return input_wrong;
+  }
+  Progress progress(!o.quiet);
+  RunControl control;
+  control.cancel = &interrupted;
+  control.time_limit = o.max_time;
+  control.progress = [&progress](double fraction) { progress(fraction); };
+  std::optional<DiagramRun> run;
+  try {
+    run = diagram->run(request, report, control);
+  } catch (const RunError& e) {
+    progress.clear();
+    print(report);
+    complain(e.what());
+    return run_failed;
+  }
+  progress.clear();
+  print(report);
+  if (!run) return input_wrong;
+
+  const double writing = seconds();
+  bool written = true;
+  if (!o.out.empty() && o.out != "-") {
+    written = write_result(run->recording, o.out);
+  } else if (o.out == "-" || (!is_terminal(STDOUT_FILENO) && o.figures.empty())) {
+    written = write_out(to_csv(run->recording));
+  } else if (!o.quiet) {
+    written = write_out(summary(*diagram, *run) + verdicts(*run, false));
+  }
+  if (!o.figures.empty()) {
+    const std::string error = write_figures(diagram->model(), *run, o.figures, split_formats(o.format));
+    if (!error.empty()) {
+      complain(error);
+      written = false;
+    }
+  }
+  if (!o.quiet && !is_terminal(STDOUT_FILENO)) fmt::print(stderr, "{}", verdicts(*run, true));
+  if (o.timing) {
+    fmt::print(stderr, "timing: read {:.6f} compile {:.6f} simulate {:.6f} write {:.6f}\n", diagram->read_time(),
+               run->timing.compile, run->timing.simulate, seconds() - writing);
+  }
+  return written ? done : run_failed;
+}
+
+}  // namespace
+
+}  // namespace plantloop::app
+
+PLANTLOOP_COMMAND(run) {
+  using namespace plantloop::app;
+  const auto o = std::make_shared<RunOptions>();
+  parser.description(
+      "Simulate a diagram. Without --out the result goes to standard output as CSV, on a terminal a summary is shown.");
+  parser.add_option("DIAGRAM", o->file, "the diagram")->required();
+  parser
+      .add_option("--set", o->set, "give a parameter another value or expression: path=expression, any number of times")
+      ->allow_extra_args(false)
+      ->type_name("PATH=EXPRESSION");
+  parser.add_option("--stop", o->stop, "stop time in s");
+  parser.add_option("--solver", o->solver, "euler, heun, rk4, bogacki_shampine, dopri5, adams or bdf");
+  parser.add_option("--step", o->step, "fixed step in s (euler, heun, rk4; also the other explicit ones)");
+  parser.add_option("--rtol", o->rtol, "relative tolerance");
+  parser.add_option("--atol", o->atol, "absolute tolerance");
+  parser.add_option("--out", o->out, "file for the result: .csv, .json or .npz; - for standard output")
+      ->type_name("FILE");
+  parser.add_option("--figures", o->figures, "folder for the diagram's figures, <figure name>.<format>")
+      ->type_name("DIR");
+  parser.add_option("--format", o->format, "formats of the figures: png, svg or both, separated by commas")
+      ->capture_default_str();
+  parser.add_option("--max-time", o->max_time, "stop the run after this many seconds")->check(CLI::PositiveNumber);
+  parser.add_flag("--timing", o->timing, "print how long reading, compiling, simulating and writing took, in s");
+  parser.add_flag("--quiet", o->quiet, "no summary, no progress");
+  parser.footer(
+      "Examples:\n"
+      "  plantloop run loop.yaml\n"
+      "  plantloop run loop.yaml --set controller.ki=20 --stop 5 --out loop.csv\n"
+      "  plantloop run loop.yaml --figures out --format png,svg");
+  return [o] { return run_diagram(*o); };
+}

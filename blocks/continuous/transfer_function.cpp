@@ -1,0 +1,59 @@
+// A transfer function in s.
+
+#include "engine/block.h"
+#include "engine/block_algebra.h"
+
+namespace plantloop {
+namespace {
+
+struct TransferFunctionBlock final : Block {
+  static constexpr auto summary = "Filter the input by a transfer function in s.";
+  static constexpr auto details =
+      "y = num(s)/den(s) u with coefficients in descending powers of s: num: [1], den: [1, 2, 1] is 1/(s^2 + 2 s + 1). "
+      "The "
+      "degree of num must not exceed that of den; where they are equal the input reaches the output at the same "
+      "instant. "
+      "The states are those of the observable canonical form, in the scale of the output. A vector is filtered element "
+      "by "
+      "element.";
+
+  Input u{this, "u", {.doc = "signal to filter"}};
+  Table num{this, "num", {.init = "[1]", .doc = "numerator, descending powers of s", .zeros_matter = true}};
+  Table den{this, "den", {.init = "[1, 1]", .doc = "denominator, descending powers of s", .zeros_matter = true}};
+  Number initial_value{this,
+                       "initial",
+                       {.doc = "output before the start, where everything has come to rest; default: all states are 0",
+                        .optional = true,
+                        .initial = true}};
+  State x{this, "x", {.doc = "states of the observable canonical form", .size = any_size}};
+  Output y{this, "y", {.doc = "the filtered signal"}};
+
+  void check(Checking& checking) const override { TransferFunction::check(checking, num, den); }
+  void sizes(Sizing& sizing) const override {
+    const Shape shape = TransferFunction::state_shape(sizing.of(den), sizing.of(y));
+    if (shape.is_known()) sizing.set(x, shape);
+  }
+  void initial(Now now, Init init) const override {
+    if (now.given(initial_value))
+      init[x] = TransferFunction(now[num], now[den]).at_rest(now[initial_value], input(now), false);
+  }
+  void outputs(Now now, Out out) const override {
+    out[y] = TransferFunction(now[num], now[den]).output(now[x], input(now));
+  }
+  void derivatives(Now now, Rates rate) const override {
+    rate[x] = TransferFunction(now[num], now[den]).change(now[x], input(now));
+  }
+
+ private:
+  // As many as there are outputs.
+  Array input(Now now) const {
+    const int width = now[x].shape().rank == 2 ? now[x].columns() : 1;
+    return width == 1 ? now[u] : now[u].spread(Shape::vector(width));
+  }
+};
+
+}  // namespace
+
+PLANTLOOP_BLOCK(transfer_function, TransferFunctionBlock)
+
+}  // namespace plantloop

@@ -1,0 +1,23 @@
+// A constant factor.
+
+#include "engine/block.h"
+
+namespace plantloop {
+namespace {
+
+struct Gain final : Block {
+  static constexpr auto summary = "Multiply the input by a number.";
+  static constexpr auto details = "y = k u, element by element";
+
+  Input u{this, "u", {.doc = "signal to multiply"}};
+  Number k{this, "k", {.init = 1, .doc = "factor"}};
+  Output y{this, "y", {.doc = "the product"}};
+
+  void outputs(Now now, Out out) const override { out[y] = now[k] * now[u]; }
+};
+
+}  // namespace
+
+PLANTLOOP_BLOCK(gain, Gain)
+
+}  // namespace plantloop

@@ -1,0 +1,23 @@
+// A signal rounded to steps.
+
+#include "engine/block.h"
+
+namespace plantloop {
+namespace {
+
+struct Quantiser final : Block {
+  static constexpr auto summary = "Round the input to multiples of an interval.";
+  static constexpr auto details = "y = interval round(u/interval), halves away from zero";
+
+  Input u{this, "u", {.doc = "signal to round"}};
+  Number interval{this, "interval", {.init = 1, .doc = "distance of two values of the output", .above = 0}};
+  Output y{this, "y", {.doc = "the rounded signal"}};
+
+  void outputs(Now now, Out out) const override { out[y] = now[interval] * round(now[u] / now[interval]); }
+};
+
+}  // namespace
+
+PLANTLOOP_BLOCK(quantiser, Quantiser)
+
+}  // namespace plantloop

@@ -1,0 +1,189 @@
+// A diagram as its author wrote it: names, texts and places, nothing resolved. What the YAML means is checked as far as
+// it does not depend on the block types; `graph/` does the rest.
+
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/base/report.h"
+#include "engine/diagram/document.h"
+#include "engine/diagram/expression.h"
+
+namespace plantloop {
+
+// `Q: 29.46`, `b: {value: 1.21, unit: m, doc: input gain}` or `net: {text: models/a.yaml}`.
+struct ParameterDecl {
+  std::string name;
+  Mark mark;            // of the name
+  ExpressionPtr value;  // null for a text
+  std::optional<std::string> text;
+  std::string unit, doc;
+};
+
+// A named wire, `u: plant.y`, inside a mapping `in:`.
+struct WireDecl {
+  std::string port;  // "" when `in:` is a text or a sequence: the block's only port without default
+  Mark mark;
+  std::vector<ExpressionPtr> items;  // one, or the entries of a sequence
+  bool is_sequence = false;
+};
+
+// `name: value` of an instance that is none of the reserved keys: a parameter or an input with a default.
+struct FieldDecl {
+  std::string name;
+  Mark mark;
+  Node value;
+};
+
+// `reset: {when: cond, edge: rising, to: value}`
+struct ResetDecl {
+  Mark mark;
+  ExpressionPtr when;
+  std::string edge = "rising";  // rising, falling or either
+  ExpressionPtr to;             // null: the initial value
+};
+
+// One entry of `blocks:`. A text or a sequence is an expression block: type "expression", one wire.
+struct BlockDecl {
+  std::string name;
+  Mark mark;  // of the name
+  std::string type;
+  Mark type_mark;
+  ExpressionPtr expression;  // of an expression block, else null
+  std::vector<WireDecl> in;
+  std::vector<FieldDecl> fields;
+  ExpressionPtr period, offset;  // of `rate:`, null where not given
+  Mark rate_mark;
+  std::optional<ResetDecl> reset;
+  std::optional<Node> enable, trigger, repeat, first, last;  // reserved: their issue defines them
+  std::string doc, unit, label;
+  bool zero_crossing = true;
+  int priority = 0;
+};
+
+struct InputDecl {
+  std::string name;
+  Mark mark;
+  ExpressionPtr fallback;  // `default:`, null when the input must be wired
+  std::optional<int> size;
+  std::string unit, doc;
+};
+
+struct OutputDecl {
+  std::string name;
+  Mark mark;
+  ExpressionPtr from;     // a name or an expression
+  ExpressionPtr initial;  // before the first activation; null when not given
+};
+
+struct FileScope;
+
+// A type, or the diagram itself (which has no inputs and outputs).
+struct TypeDecl {
+  std::string name;
+  Mark mark;
+  std::string doc;
+  std::vector<ParameterDecl> parameters;
+  std::vector<InputDecl> inputs;
+  std::vector<OutputDecl> outputs;
+  std::vector<BlockDecl> blocks;
+  const FileScope* file = nullptr;  // which types its blocks may name
+};
+
+// The types that a file's blocks may name: its own and those of the files that it imports (directly, not through
+// others). Keys are as written at the place of use: "pi_loop", "std.pi_loop".
+struct FileScope {
+  std::string path;
+  std::map<std::string, std::shared_ptr<const TypeDecl>> types;
+};
+
+struct SimulationDecl {
+  Mark mark;
+  ExpressionPtr start, stop, step, rtol, atol, max_step, output_interval, event_tol, max_steps, max_rows, seed;
+  std::string solver = "dopri5";
+  Mark solver_mark;
+  std::string zeno = "error";   // error, hold or ignore
+  std::string loops = "solve";  // solve or error
+  bool strict = false;
+};
+
+// A column of the result: `column` is its name, `signal` what it shows.
+struct RecordDecl {
+  std::string column;
+  Mark mark;
+  ExpressionPtr signal;
+};
+
+struct FigureSignal {
+  ExpressionPtr signal;  // null: time
+  std::string label, style;
+  Mark mark;
+};
+struct FigureLine {
+  ExpressionPtr x, y;  // exactly one
+  std::string label;
+};
+struct FigureBand {
+  ExpressionPtr lower, upper, from, until;  // from, until may be null
+  std::string label;
+};
+struct FigurePanel {
+  Mark mark;
+  std::vector<FigureSignal> y, right;
+  FigureSignal x;
+  std::string label, x_label, right_label, scale = "linear";
+  ExpressionPtr lower_limit, upper_limit;  // `limits: [lower, upper]`, null where not given
+  std::vector<FigureLine> lines;
+  std::vector<FigureBand> bands;
+  bool equal = false;
+};
+struct FigureDecl {
+  std::string name;
+  Mark mark;
+  std::string title, theme, x_label;
+  ExpressionPtr x_lower, x_upper, width;
+  std::vector<FigurePanel> panels;
+};
+
+// One entry of `expect:`, as FORMAT.md defines it.
+struct ExpectDecl {
+  Mark mark;
+  std::string text;      // the entry again, for the verdict's line
+  ExpressionPtr signal;  // null for an event
+  std::string event;     // "h.reset"
+  std::string measure;   // "at" or max, min, max_abs, rms, final, overshoot, settling_time, rise_time, count, baseline
+  ExpressionPtr at, value, lower, upper;  // `between`; `below` is upper, `above` is lower
+  ExpressionPtr abs, rel, from, until, band;
+  ExpressionPtr step_at, step_until, step_from, step_to;
+  std::string side = "right";
+  std::string baseline;
+};
+
+struct Model {
+  std::string path;     // of the file
+  std::string project;  // the folder inside which files may be read
+  std::string title;
+  std::shared_ptr<const TypeDecl> top;  // parameters and blocks of the diagram itself
+  std::vector<std::shared_ptr<const FileScope>> files;
+  SimulationDecl simulation;
+  bool has_simulation = false;
+  bool is_library = false;  // only types: no blocks, no simulation
+  std::vector<RecordDecl> record;
+  bool has_record = false;
+  std::vector<FigureDecl> figures;
+  std::vector<ExpectDecl> expect;
+  std::map<std::string, std::string> checks;           // id -> note, warning, error or off
+  std::vector<std::shared_ptr<const Source>> sources;  // keeps the marks' texts alive
+};
+
+// Reads a diagram and what it imports; reports everything that is wrong. Null when the file cannot be read as a diagram
+// at all.
+std::shared_ptr<const Model> read_model(const std::string& path, Report& report);
+// The same for a text in memory; `path` names it in findings and anchors its relative paths.
+std::shared_ptr<const Model> read_model_text(const std::string& text, const std::string& path, Report& report);
+
+}  // namespace plantloop

@@ -1,0 +1,92 @@
+// What other tools call a block, and what it is here.
+
+#include "engine/graph/familiar.h"
+
+#include <algorithm>
+#include <string>
+
+namespace plantloop {
+namespace {
+
+struct Familiar {
+  std::string_view theirs;  // lower case, without blanks and underscores
+  std::string_view ours;
+};
+
+constexpr Familiar all[] = {
+    {"delay", "unit_delay for one sample, tapped_delay for several, transport_delay for a time"},
+    {"deadtime", "transport_delay"},
+    {"timedelay", "transport_delay"},
+    {"memory", "unit_delay"},
+    {"limiter", "saturation"},
+    {"saturate", "saturation"},
+    {"sat", "saturation"},
+    {"clip", "saturation"},
+    {"adder", "sum, or an expression, a + b"},
+    {"add", "sum, or an expression, a + b"},
+    {"subtract", "sum with signs, or an expression, a - b"},
+    {"multiply", "product, or an expression, a*b"},
+    {"divide", "product with signs, or an expression, a/b"},
+    {"abs", "an expression, abs(u)"},
+    {"sqrt", "an expression, sqrt(u)"},
+    {"sin", "an expression, sin(u); or sine, a source"},
+    {"fcn", "an expression"},
+    {"function", "an expression, or math_function"},
+    {"expression", "an expression without type: y: 2*u"},
+    {"lag", "first_order"},
+    {"pt1", "first_order"},
+    {"lowpass", "first_order"},
+    {"zoh", "zero_order_hold"},
+    {"sampler", "zero_order_hold"},
+    {"ss", "state_space"},
+    {"tf", "transfer_function"},
+    {"transferfcn", "transfer_function"},
+    {"transferfunction", "transfer_function"},
+    {"discretetransferfcn", "discrete_transfer_function"},
+    {"const", "constant, or an expression"},
+    {"input", "an input of a type, inputs: [u]; a source in a diagram"},
+    {"inport", "an input of a type, inputs: [u]"},
+    {"output", "an output of a type, outputs: [y]; record: in a diagram"},
+    {"outport", "an output of a type, outputs: [y]"},
+    {"scope", "no block: what is recorded stands under record:, what is drawn under figures:"},
+    {"toworkspace", "no block: what is recorded stands under record:"},
+    {"tofile", "no block: what is recorded stands under record:"},
+    {"display", "no block: what is recorded stands under record:"},
+    {"fromworkspace", "from_file, or staircase"},
+    {"subsystem", "a type: write it under types:, and use its name"},
+    {"mux", "concat, or a list, [a, b]"},
+    {"demux", "no block: elements are read with a dot, x.1"},
+    {"selector", "select, or elements and slices, x.1 and x.2:5"},
+    {"noise", "random_levels"},
+    {"random", "random_levels"},
+    {"whitenoise", "random_levels"},
+    {"pulsegenerator", "pulse"},
+    {"sinewave", "sine"},
+    {"signalgenerator", "sine, square or pulse"},
+    {"time", "clock, or the name time in any expression"},
+    {"lookup", "lookup_1d"},
+    {"lookuptable", "lookup_1d"},
+    {"table", "lookup_1d"},
+    {"quantizer", "quantiser"},
+    {"if", "switch, or an expression, where(condition, a, b)"},
+    {"comparator", "compare, or an expression, a > b"},
+    {"and", "logic, or an expression, a and b"},
+    {"or", "logic, or an expression, a or b"},
+    {"picontroller", "pi"},
+    {"pidcontroller", "pid"},
+};
+
+}  // namespace
+
+std::string_view familiar_type(std::string_view name) {
+  std::string plain;
+  for (const char c : name) {
+    if (c == '_' || c == '-' || c == ' ') continue;
+    plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  const auto* const found =
+      std::find_if(std::begin(all), std::end(all), [&](const Familiar& f) { return f.theirs == plain; });
+  return found == std::end(all) ? std::string_view() : found->ours;
+}
+
+}  // namespace plantloop

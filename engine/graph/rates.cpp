@@ -1,0 +1,380 @@
+// Rates (S6): which blocks run continuously, which at the hits of a clock, which only when parameters change.
+//
+// Kinds only ever rise, constant < discrete < continuous, and a clock only gets faster, so the fixed point does not
+// depend on the order of visits. Sources are decided last, all at once, by what reads them.
+
+#include <algorithm>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "engine/base/numbers.h"
+#include "engine/graph/elaboration.h"
+
+namespace plantloop {
+namespace {
+
+// A whole number of times.
+bool divides(const Rational& fast, const Rational& slow) {
+  const std::optional<Rational> ratio = divide(slow, fast);
+  return ratio && ratio->den() == 1;
+}
+
+class RateFinding {
+ public:
+  explicit RateFinding(Elaboration& e) : e_(e), g_(e.g), nets_(static_cast<std::uint32_t>(e.g.nets.size())) {}
+
+  void run() {
+    read_stated_rates();
+    readers_ = find_readers(g_);
+    queued_.assign(nets_ + g_.blocks.size(), 0);
+    decided_source_.assign(g_.blocks.size(), 0);
+    push_all();
+    work();
+    decide_sources();
+    push_all();
+    work();
+    verify();
+  }
+
+ private:
+  // ---- what is stated
+
+  void read_stated_rates() {
+    for (std::uint32_t s = 0; s < g_.scopes.size(); ++s) {
+      GraphScope& scope = g_.scopes[s];
+      if (scope.parent == nowhere) continue;
+      scope.rate = scope.declaration->period ? stated(*scope.declaration, scope.parent) : g_.scopes[scope.parent].rate;
+    }
+    stated_.assign(g_.blocks.size(), 0);
+    for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) {
+      GraphBlock& block = g_.blocks[i];
+      const BlockDecl& decl = *block.declaration;
+      stated_[i] = decl.period ? stated(decl, block.scope) : g_.scopes[block.scope].rate;
+      block.bad |= decl.period && stated_[i] == 0;  // reported
+      if (stated_[i] != 0) block.rate_reason = decl.period ? "stated" : "of the subsystem around it";
+    }
+  }
+
+  // The number of a declared rate; 0 after reporting.
+  std::uint16_t stated(const BlockDecl& decl, std::uint32_t scope) {
+    const std::optional<Rational> period = exact(decl.period, scope, "period");
+    std::optional<Rational> offset = Rational();
+    if (decl.offset) offset = exact(decl.offset, scope, "offset");
+    if (!period || !offset) return 0;
+    if (period->is_zero() || period->is_negative()) {
+      e_.findings.error(decl.period->mark, "a period must be greater than 0 s, got {}", shortest(period->to_double()))
+          .named("rate");
+      return 0;
+    }
+    if (offset->is_negative()) {
+      e_.findings.error(decl.offset->mark, "an offset must not be negative, got {}", shortest(offset->to_double()))
+          .named("rate");
+      return 0;
+    }
+    return number_of(*period, *offset, decl.rate_mark);
+  }
+
+  std::uint16_t number_of(const Rational& period, const Rational& offset, const Mark& mark) {
+    for (std::size_t i = 1; i < g_.rates.size(); ++i) {
+      if (g_.rates[i].period == period && g_.rates[i].offset == offset) return static_cast<std::uint16_t>(i);
+    }
+    if (g_.rates.size() > 60000) {
+      e_.findings.error(mark, "a diagram may have up to 60000 different rates");
+      return 0;
+    }
+    g_.rates.push_back({period, offset, mark});
+    return static_cast<std::uint16_t>(g_.rates.size() - 1);
+  }
+
+  // Decimals, + - * / and parameters that are such.
+  std::optional<Rational> exact(const ExpressionPtr& tree, std::uint32_t scope, const char* what) {
+    BoundExpression bound = e_.bind(tree, scope);
+    if (!resolve(e_, bound, Context::parameter)) return {};
+    for (std::size_t i = 0; i < bound.code->names.size(); ++i) {
+      const Reference& r = g_.references[bound.first_reference + i];
+      if (r.kind == Reference::Kind::parameter && g_.parameters[r.index].bad) return {};
+    }
+    mark_structural(g_, bound, 2);
+    const std::optional<Rational> value = exact_value(bound);
+    if (value) return value;
+    BoundNames names(g_, bound);
+    const std::optional<double> number = known_number(*bound.code, 0, bound.code->steps.size(), names);
+    Finding& finding = e_.findings.error(
+        tree->mark, "a {} must be exact: decimal numbers with + - * / and parameters that are such", what);
+    if (number) finding.hint(fmt::format("write its value, {}", shortest(*number)));
+    finding.named("rate");
+    return {};
+  }
+
+  std::optional<Rational> exact_value(const BoundExpression& bound, int depth = 0) {
+    std::vector<Rational> stack;
+    for (const Step& s : bound.code->steps) {
+      std::optional<Rational> result;
+      switch (s.kind) {
+        case Step::Kind::number:
+          result = Rational::from_text(s.node->text);
+          break;
+        case Step::Kind::name: {
+          const Reference& r = g_.references[bound.first_reference + s.name];
+          if (r.kind == Reference::Kind::parameter && r.whole && depth < 200 && g_.parameters[r.index].expression) {
+            result = exact_value(g_.parameters[r.index].expression, depth + 1);
+          }
+          break;
+        }
+        case Step::Kind::unary:
+          if (s.op == Op::neg) result = subtract(Rational(), stack.back()), stack.pop_back();
+          break;
+        case Step::Kind::binary: {
+          const Rational b = stack.back();
+          stack.pop_back();
+          const Rational a = stack.back();
+          stack.pop_back();
+          if (s.op == Op::add) result = add(a, b);
+          if (s.op == Op::sub) result = subtract(a, b);
+          if (s.op == Op::mul) result = multiply(a, b);
+          if (s.op == Op::div) result = divide(a, b);
+          break;
+        }
+        default:
+          break;
+      }
+      if (!result) return {};
+      stack.push_back(*result);
+    }
+    return stack.size() == 1 ? std::optional(stack.back()) : std::nullopt;
+  }
+
+  // ---- inherited rates
+
+  void push(std::uint32_t item) {
+    if (queued_[item]) return;
+    queued_[item] = 1;
+    queue_.push_back(item);
+  }
+  void push_all() {
+    for (std::uint32_t i = 0; i < nets_; ++i) {
+      if (g_.nets[i].driver) push(i);
+    }
+    for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) {
+      if (g_.blocks[i].type) push(nets_ + i);
+    }
+  }
+  void work() {
+    while (!queue_.empty()) {
+      const std::uint32_t item = queue_.front();
+      queue_.pop_front();
+      queued_[item] = 0;
+      if (item < nets_) {
+        set_net(item, rate_of_net(g_.nets[item]));
+      } else {
+        rate_block(item - nets_);
+      }
+    }
+  }
+
+  void set_net(std::uint32_t index, GraphRate rate) {
+    if (g_.nets[index].rate == rate) return;
+    g_.nets[index].rate = rate;
+    for (const std::uint32_t reader : readers_.of(index)) push(reader);
+  }
+
+  static GraphRate clock(std::uint16_t index) { return {GraphRate::Kind::discrete, index}; }
+
+  // Rules (a) to (e) for one more input.
+  GraphRate combine(GraphRate a, GraphRate b) const {
+    if (a.kind < b.kind) std::swap(a, b);
+    if (a.kind != GraphRate::Kind::discrete || b.kind != GraphRate::Kind::discrete || a.index == b.index) return a;
+    return is_faster(b.index, a.index) ? b : a;
+  }
+  bool is_faster(std::uint16_t a, std::uint16_t b) const {
+    const int order = compare(g_.rates[a].period, g_.rates[b].period);
+    return order != 0 ? order < 0 : g_.rates[a].offset < g_.rates[b].offset;
+  }
+
+  GraphRate rate_of_names(const BoundExpression& bound) const {
+    GraphRate rate;
+    for (std::size_t i = 0; i < bound.code->names.size(); ++i) {
+      const Reference& r = g_.references[bound.first_reference + i];
+      if (r.kind == Reference::Kind::time) return {GraphRate::Kind::continuous, 0};
+      if (r.kind == Reference::Kind::net) rate = combine(rate, g_.nets[r.index].rate);
+    }
+    return rate;
+  }
+
+  GraphRate rate_of_net(const GraphNet& net) const {
+    switch (net.kind) {
+      case GraphNet::Kind::expression:
+        if (stated_[net.owner] != 0) return clock(stated_[net.owner]);
+        break;
+      case GraphNet::Kind::scope_input:
+      case GraphNet::Kind::scope_output:
+        if (net.by_parameter) return {};
+        if (g_.scopes[net.owner].rate != 0) return clock(g_.scopes[net.owner].rate);
+        break;
+      default:
+        break;
+    }
+    return rate_of_names(net.driver);
+  }
+
+  void rate_block(std::uint32_t index) {
+    GraphBlock& block = g_.blocks[index];
+    const RateKind kind = block.type->block->rate_kind();
+    GraphRate rate;
+    if (kind == RateKind::continuous) {
+      rate.kind = GraphRate::Kind::continuous;
+    } else if (stated_[index] != 0) {
+      rate = clock(stated_[index]);
+    } else if (kind == RateKind::source) {
+      if (!decided_source_[index]) return;
+      rate = block.rate;
+    } else {
+      for (std::uint32_t i = 0; i < block.inputs; ++i) rate = combine(rate, g_.nets[block.first_input + i].rate);
+      if (rate.kind != GraphRate::Kind::constant) block.rate_reason = "from its inputs";
+    }
+    block.rate = rate;
+    for (std::uint32_t i = 0; i < block.outputs; ++i) set_net(block.first_output + i, rate);
+  }
+
+  // ---- sources (f)
+
+  void decide_sources() {
+    std::vector<std::pair<std::uint32_t, std::uint16_t>> decided;
+    for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) {
+      const GraphBlock& block = g_.blocks[i];
+      if (!block.type || stated_[i] != 0 || block.type->block->rate_kind() != RateKind::source) continue;
+      decided.emplace_back(i, clock_of_readers(i));
+    }
+    for (const auto& [index, rate] : decided) {
+      GraphBlock& block = g_.blocks[index];
+      decided_source_[index] = 1;
+      block.rate = rate != 0 ? clock(rate) : GraphRate{GraphRate::Kind::continuous, 0};
+      block.rate_reason = rate != 0 ? "from its readers" : "a source";
+    }
+  }
+
+  // The one clock of all blocks that read a source, also through others that only it feeds; 0: none.
+  std::uint16_t clock_of_readers(std::uint32_t source) const {
+    std::vector<std::uint32_t> open;
+    std::unordered_set<std::uint32_t> seen;
+    std::uint16_t found = 0;
+    const auto follow = [&](std::uint32_t net) {
+      for (const std::uint32_t reader : readers_.of(net)) {
+        if (seen.insert(reader).second) open.push_back(reader);
+      }
+    };
+    const auto outputs = [&](const GraphBlock& block) {
+      for (std::uint32_t i = 0; i < block.outputs; ++i) follow(block.first_output + i);
+    };
+    outputs(g_.blocks[source]);
+    while (!open.empty()) {
+      const std::uint32_t item = open.back();
+      open.pop_back();
+      if (item < nets_ && g_.nets[item].kind == GraphNet::Kind::block_input) {
+        follow(item);  // its block decides
+        continue;
+      }
+      const GraphRate rate = item < nets_ ? g_.nets[item].rate : g_.blocks[item - nets_].rate;
+      if (rate.kind == GraphRate::Kind::continuous) return 0;
+      if (rate.kind == GraphRate::Kind::discrete) {
+        if (found != 0 && found != rate.index) return 0;
+        found = rate.index;
+      } else if (item < nets_) {
+        follow(item);
+      } else {
+        outputs(g_.blocks[item - nets_]);
+      }
+    }
+    return found;
+  }
+
+  // ---- what is wrong
+
+  void verify() {
+    for (std::uint32_t i = 0; i < nets_; ++i) {
+      GraphNet& net = g_.nets[i];
+      if (net.kind == GraphNet::Kind::block_input || net.bad || !net.driver || net.by_parameter) continue;
+      const bool is_stated =
+          net.kind == GraphNet::Kind::expression ? stated_[net.owner] != 0 : g_.scopes[net.owner].rate != 0;
+      if (!is_stated && net.rate.kind == GraphRate::Kind::discrete) {
+        std::vector<std::uint32_t> inputs;
+        for (std::size_t k = 0; k < net.driver.code->names.size(); ++k) {
+          const Reference& r = g_.references[net.driver.first_reference + k];
+          if (r.kind == Reference::Kind::net) inputs.push_back(r.index);
+        }
+        verify_mixture(inputs, net.rate.index, net.mark, path_of(g_, net));
+      }
+    }
+    for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) verify_block(i);
+  }
+
+  // Rule (d).
+  void verify_mixture(const std::vector<std::uint32_t>& inputs, std::uint16_t fastest, const Mark& mark,
+                      const std::string& name) {
+    for (const std::uint32_t net : inputs) {
+      const GraphRate rate = g_.nets[net].rate;
+      if (rate.kind != GraphRate::Kind::discrete || rate.index == fastest) continue;
+      const ClockRate& fast = g_.rates[fastest];
+      const ClockRate& slow = g_.rates[rate.index];
+      const std::optional<Rational> shift = subtract(slow.offset, fast.offset);
+      if (divides(fast.period, slow.period) && shift && divides(fast.period, *shift)) continue;
+      e_.findings.error(mark, "'{}' reads signals of mixed rates: {} and {}", name, text_of(fast), text_of(slow))
+          .also(slow.mark, fmt::format("{}, for '{}'", text_of(slow), path_of(g_, g_.nets[net])))
+          .hint(fmt::format("give '{}' a rate: of its own, or put a zero_order_hold in between", name))
+          .named("mixed-rates");
+      return;
+    }
+  }
+  static std::string text_of(const ClockRate& rate) {
+    const std::string period = shortest(rate.period.to_double()) + " s";
+    return rate.offset.is_zero() ? period
+                                 : fmt::format("{} with offset {} s", period, shortest(rate.offset.to_double()));
+  }
+
+  void verify_block(std::uint32_t index) {
+    GraphBlock& block = g_.blocks[index];
+    if (!block.type || block.bad) return;
+    const RateKind kind = block.type->block->rate_kind();
+    const BlockDecl& decl = *block.declaration;
+    if (kind == RateKind::continuous && stated_[index] != 0) {
+      const std::string rate = text_of(g_.rates[stated_[index]]);
+      Finding& finding =
+          decl.period
+              ? e_.findings.error(decl.rate_mark, "{} is continuous: it cannot run at a rate", title_of(g_, block))
+              : e_.findings.error(decl.mark, "{} is continuous: it cannot stand inside a subsystem that runs every {}",
+                                  title_of(g_, block), rate);
+      if (block.type->name == "integrator") finding.hint("the sampled one is discrete_integrator");
+      finding.named("rate");
+      return;
+    }
+    if (stated_[index] != 0) return;
+    for (std::uint32_t i = 0; i < block.inputs; ++i) {
+      if (g_.nets[block.first_input + i].bad) return;
+    }
+    if (kind == RateKind::discrete && block.rate.kind != GraphRate::Kind::discrete) {
+      e_.findings.error(decl.mark, "{} is sampled and needs a rate", title_of(g_, block))
+          .hint("write rate: 0.1 beside type:, or on the subsystem around it; the number is the period in s")
+          .named("no-rate");
+      return;
+    }
+    if (block.rate.kind != GraphRate::Kind::discrete) return;
+    std::vector<std::uint32_t> inputs;
+    for (std::uint32_t i = 0; i < block.inputs; ++i) inputs.push_back(block.first_input + i);
+    verify_mixture(inputs, block.rate.index, decl.mark, decl.name);
+  }
+
+  Elaboration& e_;
+  Graph& g_;
+  std::uint32_t nets_;
+  Readers readers_;
+  std::vector<std::uint16_t> stated_;
+  std::vector<std::uint8_t> decided_source_, queued_;
+  std::deque<std::uint32_t> queue_;
+};
+
+}  // namespace
+
+void find_rates(Elaboration& e) { RateFinding(e).run(); }
+
+}  // namespace plantloop

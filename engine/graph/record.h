@@ -1,0 +1,63 @@
+// Graph -> Record: every block writes its equations once, in the order of the full paths, never in the file's order.
+
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/graph/graph.h"
+#include "engine/program/record.h"
+
+namespace plantloop {
+
+// A bound of a parameter: to be checked whenever tunable numbers are set.
+struct RecordedBound {
+  std::string name;  // "plant.tau", elements with a dot
+  Value value;       // over parameters only; a known number has been checked already and is not listed
+  double min = -unbounded, max = unbounded, above = -unbounded;
+  Mark mark;  // where it was set
+};
+
+// What `record`, `figures` and `expect` show: one element each.
+struct ShownColumn {
+  std::string name;  // "theta", "blended.mu.1"; for an expression without column name its text
+  Value value;
+  std::string unit;
+  RateIndex rate = 0;
+  bool written = false;  // named by `record:`; the others are logged only
+};
+
+// What must happen when a tunable number gets a new value; parallel to Record::parameters.
+enum class ParameterUse : std::uint8_t {
+  tunable,          // only its slot changes
+  zero_structural,  // a new compilation when it becomes or leaves zero: it is an entry of a matrix whose zeros remove
+                    // paths
+  structural,       // a new compilation: a size, a period or a choice depends on it
+};
+
+struct RecordedGraph {
+  Record record;
+  std::vector<ParameterUse> uses;
+  std::vector<RecordedBound> bounds;
+  std::vector<ShownColumn> columns;  // first the written ones, in the order of `record:`
+  // Which columns an expression of `record`, `figures` or `expect` became: {first, count}; more than one for a vector.
+  struct Range {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
+  std::unordered_map<const Expression*, Range> shown;
+  // What the expressions of `expect` and `figures` that are no signals are worth: numbers over parameters only.
+  std::unordered_map<const Expression*, Value> numbers;
+  // Whether an expression is all known numbers is no matter: its column then has a known Value.
+  const Range* find(const ExpressionPtr& expression) const {
+    const auto it = shown.find(expression.get());
+    return it == shown.end() ? nullptr : &it->second;
+  }
+};
+
+RecordedGraph record(const Graph& graph);
+
+}  // namespace plantloop

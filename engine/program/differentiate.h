@@ -1,0 +1,26 @@
+// Exact derivatives of operations, as operations.
+
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/program/operation_graph.h"
+
+namespace plantloop {
+
+// An entry of a sparse matrix of derivatives.
+struct Partial {
+  std::uint32_t row, column;
+  Value value;
+};
+
+// d roots[row] / d leaf, where a leaf is an operation of kind `op` and `column` its index (Op::state: the index of a
+// state), in order of rows, columns ascending; entries that are zero by structure do not appear. Modes are frozen: the
+// partials of min, max, abs and where are those of the active side. `opaque` receives the sites of kernels whose
+// derivative is not known; their contribution is missing.
+std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std::uint32_t>& roots, Op op,
+                                   std::vector<std::uint32_t>& opaque);
+
+}  // namespace plantloop

@@ -1,0 +1,223 @@
+// Folding, sharing, masks and modes.
+
+#include "engine/program/operation_graph.h"
+
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace plantloop {
+
+namespace {
+
+constexpr std::uint32_t none = 0xffffffff;
+
+std::uint64_t mix(std::uint64_t h, std::uint64_t v) {
+  h ^= v + 0x9e3779b97f4a7c15ULL + (h << 6) + (h >> 2);
+  h *= 0xff51afd7ed558ccdULL;
+  return h ^ (h >> 29);
+}
+
+std::uint64_t hash_of(const Operation& o) {
+  std::uint64_t h = mix(static_cast<std::uint64_t>(o.op) | (std::uint64_t{o.activation} << 8), o.a);
+  h = mix(h, o.b | (std::uint64_t{o.c} << 32));
+  return mix(h, o.mask);
+}
+
+bool same(const Operation& x, const Operation& y) {
+  return x.op == y.op && x.a == y.a && x.b == y.b && x.c == y.c && x.mask == y.mask && x.activation == y.activation;
+}
+
+bool is_commutative(Op op) {
+  return op == Op::add || op == Op::mul || op == Op::equal || op == Op::logical_and || op == Op::logical_or;
+}
+
+bool jumps_at_a_crossing(Op op) {
+  switch (op) {
+    case Op::less:
+    case Op::less_equal:
+    case Op::equal:
+    case Op::abs:
+    case Op::min:
+    case Op::max:
+    case Op::sign:
+    case Op::floor:
+    case Op::ceil:
+    case Op::round:
+    case Op::trunc:
+    case Op::mod:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+void OperationGraph::grow_table() {
+  table_.assign(std::max<std::size_t>(64, std::bit_ceil(operations.size() * 4 + 4)), none);
+  const std::size_t wrap = table_.size() - 1;
+  for (std::uint32_t i = 0; i < operations.size(); ++i) {
+    if (operations[i].op == Op::kernel) continue;
+    std::size_t at = hash_of(operations[i]) & wrap;
+    while (table_[at] != none) at = (at + 1) & wrap;
+    table_[at] = i;
+  }
+}
+
+std::uint32_t OperationGraph::find(const Operation& operation) const {
+  const std::size_t wrap = table_.size() - 1;
+  for (std::size_t at = hash_of(operation) & wrap; table_[at] != none; at = (at + 1) & wrap) {
+    if (same(operations[table_[at]], operation)) return table_[at];
+  }
+  return none;
+}
+
+Value OperationGraph::add(Operation operation) {
+  if (2 * (operations.size() + 1) > table_.size()) grow_table();
+  std::uint32_t known = find(operation);
+  if (known == none && is_commutative(operation.op)) {
+    // The author's order is kept (it makes rows of a matrix alike); a turned twin is still the same value.
+    Operation turned = operation;
+    std::swap(turned.a, turned.b);
+    known = find(turned);
+  }
+  if (known != none) return Value::node(known);
+  const std::size_t wrap = table_.size() - 1;
+  std::size_t at = hash_of(operation) & wrap;
+  while (table_[at] != none) at = (at + 1) & wrap;
+  table_[at] = static_cast<std::uint32_t>(operations.size());
+  operations.push_back(operation);
+  return Value::node(table_[at]);
+}
+
+Value OperationGraph::leaf(Op op, std::uint32_t index, Mask mask) {
+  Operation o;
+  o.op = op;
+  o.a = index;
+  o.site = site;
+  o.mask = mask;
+  return add(o);
+}
+
+std::uint32_t OperationGraph::id_of(Value value) {
+  if (!value.is_known()) return value.id();
+  const auto bits = std::bit_cast<std::uint64_t>(value.number());
+  // Constants are shared by their bits, which stand in b and c.
+  Operation o;
+  o.op = Op::constant;
+  o.b = static_cast<std::uint32_t>(bits);
+  o.c = static_cast<std::uint32_t>(bits >> 32);
+  return add(o).id();
+}
+
+Value OperationGraph::kernel(KernelUse use, std::uint64_t key) {
+  const auto known = kernel_ids_.find(key);
+  if (known != kernel_ids_.end()) return Value::node(known->second);
+  Operation o;
+  o.op = Op::kernel;
+  o.a = static_cast<std::uint32_t>(kernels.size());
+  o.site = use.site;
+  o.activation = activation;
+  o.mask = rate != 0 ? rate_bit(rate) : continuous_bit;
+  kernels.push_back(std::move(use));
+  operations.push_back(o);
+  const auto id = static_cast<std::uint32_t>(operations.size() - 1);
+  kernel_ids_.emplace(key, id);
+  return Value::node(id);
+}
+
+Value OperationGraph::kernel_output(Value kernel, std::uint32_t index) {
+  Operation o;
+  o.op = Op::kernel_output;
+  o.a = kernel.id();
+  o.b = index;
+  o.site = operations[kernel.id()].site;
+  o.mask = operations[kernel.id()].mask;
+  o.activation = operations[kernel.id()].activation;
+  return add(o);
+}
+
+Value OperationGraph::plain(Op op, Value a, Value b, Value c) {
+  const bool before = std::exchange(make_modes, false);
+  const Value result = record(op, a, b, c);
+  make_modes = before;
+  return result;
+}
+
+// The mode whose value is `op` of the operands; made once.
+Value OperationGraph::mode(Op op, Value a, Value b) {
+  const Value update = plain(op, a, b);
+  if (update.is_known()) return update;
+  const auto known = mode_of_update_.find(update.id());
+  if (known != mode_of_update_.end()) return leaf(Op::mode, known->second, event_bit);
+  const auto index = static_cast<std::uint32_t>(modes.size());
+  mode_of_update_.emplace(update.id(), index);
+  modes.push_back({update.id(), {}, site});
+  const Value self = leaf(Op::mode, index, event_bit);
+  std::vector<std::uint32_t> guards;
+  const auto guard = [&](Value g) { guards.push_back(id_of(g)); };
+  if (op == Op::floor) {
+    guard(a - self);
+    guard(a - (self + 1.0));
+  } else if (op == Op::round) {
+    guard(a - (self - 0.5));
+    guard(a - (self + 0.5));
+  } else {
+    guard(a - b);
+  }
+  modes[index].guards = std::move(guards);
+  return self;
+}
+
+Value OperationGraph::as_mode(Op op, Value a, Value b) {
+  switch (op) {
+    case Op::less:
+    case Op::less_equal:
+    case Op::equal:
+      return mode(op, a, b);
+    case Op::abs:
+      return where(Truth(mode(Op::less, a, 0.0)), -a, a);
+    case Op::min:
+      return where(Truth(mode(Op::less, b, a)), b, a);
+    case Op::max:
+      return where(Truth(mode(Op::less, a, b)), b, a);
+    case Op::sign: {
+      const Value positive = mode(Op::less, 0.0, a);
+      return where(Truth(positive), Value(1.0), where(Truth(mode(Op::less, a, 0.0)), Value(-1.0), Value(0.0)));
+    }
+    case Op::floor:
+    case Op::round:
+      return mode(op, a, 0.0);
+    case Op::ceil:
+      return -mode(Op::floor, -a, 0.0);
+    case Op::trunc:
+      return where(Truth(mode(Op::less, a, 0.0)), -mode(Op::floor, -a, 0.0), mode(Op::floor, a, 0.0));
+    case Op::mod:
+      return a - b * mode(Op::floor, a / b, 0.0);
+    default:
+      assert(false);
+      return a;
+  }
+}
+
+Value OperationGraph::operation(Op op, Value a, Value b, Value c) {
+  const int arity = arity_of(op);
+  Mask mask = mask_of(a);
+  if (arity > 1) mask |= mask_of(b);
+  if (arity > 2) mask |= mask_of(c);
+  if (rate != 0 && mask != 0) mask = rate_bit(rate);
+  if (make_modes && (mask & continuous_bit) != 0 && jumps_at_a_crossing(op)) return as_mode(op, a, b);
+  Operation o;
+  o.op = op;
+  o.activation = mask == 0 ? std::uint16_t{0} : activation;
+  o.site = site;
+  o.mask = mask;
+  o.a = id_of(a);
+  if (arity > 1) o.b = id_of(b);
+  if (arity > 2) o.c = id_of(c);
+  return add(o);
+}
+
+}  // namespace plantloop

@@ -1,0 +1,87 @@
+// The operations of a diagram in order, each one once: what the passes work on between a Record and a Program.
+//
+// Invariant: the operands of an operation stand before it. Operations are made by arithmetic on Values while an
+// OperationGraph is the sink in charge; it folds, shares, works out when an operation must run, and turns what a
+// continuous signal compares into modes.
+
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/program/record.h"
+
+namespace plantloop {
+
+// When an operation runs: a set of bits. No bit: it depends on parameters only.
+using Mask = std::uint64_t;
+inline constexpr Mask continuous_bit = Mask{1} << 63;
+inline constexpr Mask event_bit = Mask{1} << 62;  // a mode, a segment or a state changed at an event
+// Rates from 1 have a bit each; compile() refuses more, since what samples at a shared bit would sample too often.
+inline constexpr RateIndex most_rates = 61;
+inline Mask rate_bit(RateIndex rate) { return Mask{1} << (rate < most_rates ? rate : most_rates); }
+
+struct Operation {
+  Op op = Op::constant;
+  std::uint16_t activation = 0;
+  std::uint32_t a = 0, b = 0, c = 0;  // as in RecordedNode
+  std::uint32_t site = 0;
+  Mask mask = 0;
+  bool is_continuous() const { return (mask & continuous_bit) != 0; }
+  bool is_parameter_only() const { return mask == 0; }
+};
+
+// An integer that is frozen while integrating and changes only at events, and the functions whose zeros are those
+// events.
+struct Mode {
+  std::uint32_t update;               // its value by comparing the present values
+  std::vector<std::uint32_t> guards;  // they cross zero where the value changes
+  std::uint32_t site;
+};
+
+class OperationGraph final : public OperationSink {
+ public:
+  OperationGraph() = default;
+
+  std::vector<Operation> operations;
+  std::vector<KernelUse> kernels;  // inputs are operations of this graph
+  std::vector<Mode> modes;
+
+  // Stamped on operations made from now on: where they come from and the rate of their block (0: continuous).
+  std::uint32_t site = 0;
+  RateIndex rate = 0;
+  std::uint16_t activation = 0;
+  bool make_modes = true;  // false: comparisons stay plain
+
+  Value operation(Op op, Value a, Value b, Value c) override;
+  Value leaf(Op op, std::uint32_t index, Mask mask);
+  Value kernel(KernelUse use, std::uint64_t key);  // the kernel operation; equal keys are one use
+  Value kernel_output(Value kernel, std::uint32_t index);
+  std::uint32_t id_of(Value value);  // a known number becomes a constant
+  Mask mask_of(Value value) const { return value.is_known() ? 0 : operations[value.id()].mask; }
+  // The number of a constant, whose bits stand in b and c.
+  double constant(std::uint32_t id) const {
+    const Operation& o = operations[id];
+    return std::bit_cast<double>(o.b | (std::uint64_t{o.c} << 32));
+  }
+
+ private:
+  struct Key {
+    std::uint64_t first, second, third;
+    bool operator==(const Key&) const = default;
+  };
+  Value add(Operation operation);  // shares
+  Value plain(Op op, Value a, Value b = 0, Value c = 0);
+  Value as_mode(Op op, Value a, Value b);
+  Value mode(Op op, Value a, Value b);
+  std::uint32_t find(const Operation& operation) const;
+  void grow_table();
+  std::vector<std::uint32_t> table_;  // open addressing, load at most a half
+  std::unordered_map<std::uint64_t, std::uint32_t> kernel_ids_;
+  std::unordered_map<std::uint32_t, std::uint32_t> mode_of_update_;
+};
+
+}  // namespace plantloop

@@ -1,0 +1,120 @@
+// A compiled diagram: lists of operations over one arena of doubles. Immutable and shared by runs and threads;
+// everything that changes during a run lives in the arena and the kernels' states of a Frame.
+
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/program/execute.h"
+#include "engine/program/operation_graph.h"
+#include "engine/program/record.h"
+
+namespace plantloop {
+
+using SlotIndex = std::uint32_t;
+
+struct Program {
+  // The arena: its size and the values it starts with (constants, the parameters' values as compiled).
+  std::vector<double> arena;
+  // Where things stand in it.
+  SlotIndex states = 0;  // the continuous states are contiguous from here, in the Program's order
+  SlotIndex time = 0;
+  std::vector<SlotIndex> parameters, discretes, modes, segments;
+  std::vector<SlotIndex> hits;  // per rate: number k of its latest hit
+  // Which state of the Record stands at each place, and the other way round.
+  std::vector<std::uint32_t> state_at, place_of_state;
+
+  // What to run when; `roots` of each list are the slots of its results.
+  List parameter_list;   // after a parameter changed
+  List initial_list;     // once: initial states (by place), then initial discrete states
+  List held_list;        // at hits and events, by mask: operations that hold their value in between
+  List mode_list;        // roots: the value of each mode by present values
+  List guard_list;       // roots: guards, in the order of `guards`
+  List derivative_list;  // roots: derivatives by place, contiguous
+  List watch_list;       // roots: watched values
+  List jump_list;        // roots: the values of all jumps, from the left values
+  List advance_list;     // roots: inputs of the continuous kernels' advance, one after the other
+  List jacobian_list;    // roots: entries of df/dx in the order of the pattern
+  List step_list;        // roots: the states after one fixed step by place; empty when the method is not unrolled
+
+  std::vector<SlotIndex> numbers;  // of CompileOptions::numbers (computed by parameter_list)
+  std::vector<SlotIndex> nexts;    // per discrete state: its next value (in held_list)
+
+  struct Guard {
+    bool is_jump;         // else it guards a mode
+    std::uint32_t index;  // of the mode, or of the jump in `jumps`
+    int direction;        // jumps: 1 rising, -1 falling, 0 either
+    bool continuous;      // can cross zero between hits and events
+  };
+  std::vector<Guard> guards;
+  struct Jump {
+    std::string name;
+    std::uint32_t site;
+    std::uint32_t first_value;  // in jump_list.roots
+    struct Target {
+      bool discrete;
+      SlotIndex slot;
+    };
+    std::vector<Target> targets;
+  };
+  std::vector<Jump> jumps;
+  struct Schedule {
+    std::vector<SlotIndex> times;
+    SlotIndex first = 0, period = 0;
+    bool periodic = false;
+    std::uint32_t site = 0;
+  };
+  std::vector<Schedule> schedules;
+  struct KernelState {
+    std::shared_ptr<const Kernel> kernel;
+    bool continuous;
+    Mask mask;
+    std::vector<SlotIndex> inputs, advance_inputs;  // of held_list (discrete) or advance_list (continuous)
+    std::uint32_t first_state;                      // in the Frame's kernel states
+    std::uint32_t first_history;                    // in the Frame's histories
+    std::uint32_t site;
+  };
+  std::vector<KernelState> kernels;
+  std::uint32_t kernel_state_size = 0;
+  std::uint32_t history_count = 0;
+  std::uint32_t scratch_size = 0;
+
+  // The held slots that derivatives read: a run goes on without a restart while none of them changes.
+  std::vector<SlotIndex> held_in_derivatives;
+
+  // df/dx by columns; rows are places.
+  std::vector<int> jacobian_column_start, jacobian_row;
+  bool jacobian_is_exact = true;
+  std::vector<std::string> differenced;  // kernels without derivative, named in the report
+
+  // From the Record, for messages and settings.
+  std::vector<RecordedRate> rates;
+  std::vector<RecordedParameter> parameter_info;
+  std::vector<std::string> state_names;  // by place
+  std::vector<std::uint32_t> state_sites;
+  std::vector<std::string> discrete_names;
+  std::vector<RateIndex> discrete_rates;
+  std::vector<Mask> watch_masks;  // which bits a watched value changes with
+  std::vector<std::uint32_t> watch_sites;
+  std::vector<Site> sites;
+
+  // The same operations as a graph, for further passes (linearisation, gradients, explain).
+  std::shared_ptr<const struct Resolved> resolved;
+};
+
+struct CompileOptions {
+  std::vector<Value> watches;  // values of the Record
+  std::vector<Value>
+      numbers;  // values over parameters only, to be read after parameter_list: settings, bounds, expectations
+  bool jacobian = true;
+  std::string unroll_method;  // "euler", "heun" or "rk4": make step_list when the derivatives are few
+  double unroll_step = 0;     // its step size in s
+};
+
+// Null after reporting algebraic loops or initial values that depend on each other.
+std::shared_ptr<const Program> compile(const Record& record, const CompileOptions& options, class Report& report);
+
+}  // namespace plantloop

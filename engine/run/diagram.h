@@ -1,0 +1,83 @@
+// A diagram file, ready to run any number of times: what the command line and Lua work with.
+//
+//   Report report;
+//   auto diagram = Diagram::load("car.yaml", report);           // null when the file cannot be read
+//   auto run = diagram->run({.set = {{"controller.ki", "20"}}}, report);   // nothing when the diagram is wrong
+
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/base/report.h"
+#include "engine/graph/graph.h"
+#include "engine/graph/record.h"
+#include "engine/run/simulation.h"
+
+namespace plantloop {
+
+// What a run changes about its diagram; what is not given is as the file says.
+struct RunRequest {
+  Overrides set;
+  std::optional<double> start, stop, step, rtol, atol, max_step, output_interval;
+  std::optional<std::string> solver;
+  std::optional<double> max_memory;  // bytes that the recording may take
+};
+
+// The answer to one entry of `expect:`.
+struct Verdict {
+  std::string text;  // the entry as written
+  bool met = false;
+  std::string measured;  // "0.864921 (wanted 0.864941 within 0.001)"
+  Mark mark;
+};
+
+struct RunTiming {
+  double compile = 0, simulate = 0;  // s
+};
+
+struct DiagramRun {
+  Recording recording;
+  RunStatistics statistics;
+  SimulationOptions options;
+  std::vector<Verdict> verdicts;
+  RunTiming timing;
+  // The numbers of the figures' and expectations' expressions in this run.
+  std::map<const Expression*, double> numbers;
+  // The columns that an expression of `record`, `figures` or `expect` became.
+  std::unordered_map<const Expression*, RecordedGraph::Range> shown;
+};
+
+class Diagram {
+ public:
+  // Reads the file and what it imports; null when it cannot be read as a diagram at all (the report says why).
+  static std::shared_ptr<Diagram> load(const std::string& path, Report& report);
+  static std::shared_ptr<Diagram> from_text(const std::string& text, const std::string& path, Report& report);
+
+  const Model& model() const { return *model_; }
+  double read_time() const { return read_time_; }  // s
+  // Everything but running.
+  void check(const Overrides& set, Report& report);
+  // Runs the diagram. A new value of a tunable parameter does not compile again; a structural change does, once for
+  // each structure. Nothing when the diagram or the request is wrong (see the report); throws RunError and LimitError
+  // from the run, and then `partial` (when given) has what was recorded until then.
+  std::optional<DiagramRun> run(const RunRequest& request, Report& report, const RunControl& control = {},
+                                DiagramRun* partial = nullptr);
+
+ private:
+  struct Compiled;
+  Diagram() = default;
+  std::shared_ptr<const Compiled> compiled(const Overrides& set, const std::string& unroll_method, double unroll_step,
+                                           Report& report);
+  std::shared_ptr<const Compiled> build(const Overrides& set, const std::string& unroll_method, double unroll_step,
+                                        Report& report) const;
+
+  std::shared_ptr<const Model> model_;
+  double read_time_ = 0;
+  std::map<std::string, std::shared_ptr<const Compiled>> cache_;  // by structure
+};
+
+}  // namespace plantloop

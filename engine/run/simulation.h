@@ -1,0 +1,49 @@
+// One run of a Program: major steps at hits and events, integration in between, rows into a Recording.
+
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/run/frame.h"
+#include "engine/run/recording.h"
+#include "engine/solve/integrator.h"
+
+namespace plantloop {
+
+struct SimulationOptions {
+  double start = 0, stop = 1;  // s
+  std::string solver = "dopri5";
+  double step = 0;  // s; > 0: fixed step
+  double rtol = 1e-6, atol = 1e-9;
+  double max_step = 0;         // s; 0: no limit (without states: (stop - start)/500)
+  double output_interval = 0;  // s; > 0: rows on this grid only
+  double event_tol = 0;        // s; 0: 10 * 128 * eps * max(1, |t|)
+  std::int64_t max_steps = 100'000'000;
+  std::int64_t max_rows = 100'000'000;
+  std::vector<double> sample_times;  // s; Recording::samples has all columns there, beside the rows
+  double max_memory = 16e9;          // bytes that the recording may take
+};
+
+// How the outside takes part in a run; called between steps, never inside one.
+struct RunControl {
+  const std::atomic<bool>* cancel = nullptr;      // set from anywhere: the run ends with a LimitError
+  double time_limit = 0;                          // s of processor clock; 0: none
+  std::function<void(double fraction)> progress;  // of the simulated time, at most some ten times a second
+};
+
+struct RunStatistics {
+  SolverStatistics solver;
+  std::int64_t rows = 0, hits = 0, events = 0, mode_changes = 0;
+};
+
+// Runs from the initial values to the stop time. `columns` name the Program's watches, in their order; rates index
+// Program::rates. Throws RunError when the mathematics fails and LimitError when a limit is reached or the run is
+// cancelled; what was recorded until then stays in `recording`.
+RunStatistics simulate(Frame& frame, const SimulationOptions& options, std::vector<RecordedColumn> columns,
+                       Recording& recording, const RunControl& control = {});
+
+}  // namespace plantloop

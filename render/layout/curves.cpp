@@ -1,0 +1,163 @@
+// The series of a panel, from data to pixels.
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/layout/plan.h"
+
+namespace plantloop {
+namespace {
+
+// Lines are followed this far beyond the panel's edge, so that ends and joins out there are not seen.
+constexpr double beyond = 40;
+// Pixels from the edge at which a far value is held, so that arithmetic stays finite.
+constexpr double horizon = 1e12;
+
+// A curve of more samples than this that does not run from left to right is thinned more.
+constexpr std::size_t many = 50000;
+
+struct Samples {
+  std::vector<double> x, y;
+};
+
+// A held signal as a line: across, then up or down. The last value is held to the end of the panel's data.
+Samples held(const Series& s, double end) {
+  Samples result;
+  const std::size_t n = std::min(s.x.size(), s.y.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0 && std::isfinite(s.y[i - 1])) {
+      result.x.push_back(s.x[i]);
+      result.y.push_back(s.y[i - 1]);
+    }
+    result.x.push_back(s.x[i]);
+    result.y.push_back(s.y[i]);
+  }
+  if (n > 0 && std::isfinite(s.y[n - 1]) && s.x[n - 1] < end) {
+    result.x.push_back(end);
+    result.y.push_back(s.y[n - 1]);
+  }
+  return result;
+}
+
+double last_x(const PanelPlan& panel) {
+  double last = panel.x.lower;
+  for (const SeriesPlan& plan : panel.series)
+    for (const double x : plan.series->x)
+      if (std::isfinite(x)) last = std::max(last, x);
+  return std::min(last, panel.x.upper);
+}
+
+// Unbroken parts in pixels.
+std::vector<Curve> to_curves(const PanelPlan& panel, const std::vector<double>& x, const std::vector<double>& y,
+                             bool right) {
+  std::vector<Curve> result;
+  bool open = false;
+  for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+    const bool finite = std::isfinite(x[i]) && std::isfinite(y[i]);
+    const Spot spot = finite ? to_pixels(panel, x[i], y[i], right) : Spot{};
+    if (!finite || !std::isfinite(spot.x) || !std::isfinite(spot.y)) {
+      open = false;
+      continue;
+    }
+    if (!open) result.emplace_back();
+    open = true;
+    result.back().push_back(spot);
+  }
+  return result;
+}
+
+bool rising(const Curve& curve) {
+  return std::is_sorted(curve.begin(), curve.end(), [](Spot a, Spot b) { return a.x < b.x; });
+}
+
+Curve decimated(const Curve& curve) { return rising(curve) ? decimate_columns(curve) : decimate_distance(curve, 0.35); }
+
+void add_lines(const PanelPlan& panel, SeriesPlan& plan, const Samples& samples) {
+  for (const Curve& curve : to_curves(panel, samples.x, samples.y, plan.right)) {
+    const bool endless = curve.size() > many && plan.style == LineStyle::solid && !rising(curve);
+    const Box reach = panel.box.grown(beyond);
+    const std::vector<Curve> parts =
+        endless ? without_repeats(decimate_distance(curve, 1.5), reach) : std::vector<Curve>{decimated(curve)};
+    for (const Curve& part : parts)
+      for (Curve& seen : clip_line(part, reach)) plan.lines.push_back(std::move(seen));
+  }
+}
+
+void add_area(const PanelPlan& panel, SeriesPlan& plan) {
+  const Series& s = *plan.series;
+  const std::size_t n = std::min({s.x.size(), s.y.size(), s.lower.size()});
+  for (std::size_t begin = 0; begin < n;) {
+    Curve upper, lower;
+    std::size_t i = begin;
+    for (; i < n; ++i) {
+      if (!std::isfinite(s.x[i]) || !std::isfinite(s.y[i]) || !std::isfinite(s.lower[i])) break;
+      const Spot a = to_pixels(panel, s.x[i], s.y[i], plan.right);
+      Spot b = to_pixels(panel, s.x[i], s.lower[i], plan.right);
+      // On a logarithmic axis an area that reaches zero goes down to the edge.
+      if (std::isnan(b.y) && !std::isnan(a.y)) b.y = panel.box.bottom + beyond;
+      if (!std::isfinite(a.x) || !std::isfinite(a.y) || !std::isfinite(b.y)) break;
+      upper.push_back(a);
+      lower.push_back(b);
+    }
+    if (upper.size() >= 2) {
+      Curve ring = decimated(upper);
+      const Curve back = decimated(lower);
+      ring.insert(ring.end(), back.rbegin(), back.rend());
+      Curve seen = clip_area(std::move(ring), panel.box.grown(beyond));
+      if (seen.size() >= 3) plan.areas.push_back(std::move(seen));
+    }
+    begin = i + 1;
+  }
+}
+
+void add_marks(const PanelPlan& panel, SeriesPlan& plan) {
+  const Series& s = *plan.series;
+  for (const Curve& curve : to_curves(panel, s.x, s.y, plan.right))
+    for (const Spot spot : curve) {
+      if (!panel.box.grown(1).contains(spot)) continue;
+      if (!plan.marks.empty() && std::abs(plan.marks.back().x - spot.x) + std::abs(plan.marks.back().y - spot.y) < 0.25)
+        continue;
+      plan.marks.push_back(spot);
+    }
+}
+
+// A line of one sample has no length: it is shown as a dot.
+void show_lone_samples(SeriesPlan& plan) {
+  for (const Curve& line : plan.lines) {
+    const bool lone = std::all_of(line.begin(), line.end(),
+                                  [&](Spot s) { return std::abs(s.x - line[0].x) + std::abs(s.y - line[0].y) < 0.01; });
+    if (lone && !line.empty()) plan.marks.push_back(line[0]);
+  }
+  std::erase_if(plan.lines, [](const Curve& line) { return to_polyline(line).size() < 2; });
+}
+
+}  // namespace
+
+Spot to_pixels(const PanelPlan& panel, double x, double y, bool right) {
+  const Box& box = panel.box;
+  const double px = box.left + position(panel.x, x) * box.width();
+  const double py = box.bottom - position(right ? panel.right : panel.y, y) * box.height();
+  if (std::isnan(px) || std::isnan(py)) return {px, py};
+  return {std::clamp(px, -horizon, horizon), std::clamp(py, -horizon, horizon)};
+}
+
+void set_curves(const Plan&, PanelPlan& panel) {
+  const double end = last_x(panel);
+  for (SeriesPlan& plan : panel.series) {
+    plan.lines.clear();
+    plan.areas.clear();
+    plan.marks.clear();
+    const Series& s = *plan.series;
+    if (s.kind == Series::Kind::band) {
+      add_area(panel, plan);
+      continue;
+    }
+    if (plan.style != LineStyle::none) {
+      add_lines(panel, plan, s.kind == Series::Kind::stairs ? held(s, end) : Samples{s.x, s.y});
+      show_lone_samples(plan);
+    }
+    if (s.look.marker != Marker::none) add_marks(panel, plan);
+  }
+}
+
+}  // namespace plantloop

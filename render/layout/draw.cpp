@@ -1,0 +1,389 @@
+// Writes a finished plan down as a scene.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/layout/plan.h"
+#include "render/text/font.h"
+
+namespace plantloop {
+namespace {
+
+Polyline straight(double x0, double y0, double x1, double y1) { return {to_point({x0, y0}), to_point({x1, y1})}; }
+
+Fill box_fill(const Box& box, Color color) {
+  const Rect r = to_rect(box);
+  return {{{{r.left, r.top}, {r.right, r.top}, {r.right, r.bottom}, {r.left, r.bottom}}}, color};
+}
+
+std::vector<Fixed> dashes(LineStyle style, double width, double unit) {
+  if (style == LineStyle::dashed) return {to_fixed(3.5 * width), to_fixed(2.5 * width)};
+  if (style == LineStyle::dotted) return {to_fixed(std::max(width, unit)), to_fixed(1.8 * width)};
+  return {};
+}
+
+// The shape of a marker of radius r; what is open (ring, cross, plus) is drawn by lines.
+void add_marker(Fill& filled, Stroke& drawn, Marker marker, Spot at, double r) {
+  const auto polygon = [&](std::initializer_list<Spot> corners) {
+    Polyline ring;
+    for (const Spot c : corners) ring.push_back(to_point({at.x + c.x * r, at.y + c.y * r}));
+    return ring;
+  };
+  const auto circle = [&](double radius) {
+    // Points of the unit circle by turning (1, 0) through 15 degrees; the constants are cos and sin.
+    constexpr double c = 0.96592582628906829, s = 0.25881904510252076;
+    Polyline ring;
+    double x = radius, y = 0;
+    for (int i = 0; i < 24; ++i) {
+      ring.push_back(to_point({at.x + x, at.y + y}));
+      const double turned = c * x - s * y;
+      y = s * x + c * y;
+      x = turned;
+    }
+    return ring;
+  };
+  switch (marker) {
+    case Marker::none:
+      break;
+    case Marker::dot:
+      filled.rings.push_back(circle(r));
+      break;
+    case Marker::square:
+      filled.rings.push_back(polygon({{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}}));
+      break;
+    case Marker::diamond:
+      filled.rings.push_back(polygon({{0, -1.25}, {1.25, 0}, {0, 1.25}, {-1.25, 0}}));
+      break;
+    case Marker::triangle:
+      filled.rings.push_back(polygon({{0, -1.2}, {1.1, 0.8}, {-1.1, 0.8}}));
+      break;
+    case Marker::ring: {
+      Polyline ring = circle(r);
+      ring.push_back(ring.front());
+      drawn.lines.push_back(std::move(ring));
+      break;
+    }
+    case Marker::cross:
+      drawn.lines.push_back(polygon({{-0.9, -0.9}, {0.9, 0.9}}));
+      drawn.lines.push_back(polygon({{-0.9, 0.9}, {0.9, -0.9}}));
+      break;
+    case Marker::plus:
+      drawn.lines.push_back(polygon({{-1.1, 0}, {1.1, 0}}));
+      drawn.lines.push_back(polygon({{0, -1.1}, {0, 1.1}}));
+      break;
+  }
+}
+
+const char* scale_name(const Ruler& ruler) { return ruler.scale == Scale::log ? "log" : "linear"; }
+
+class Drawing {
+ public:
+  explicit Drawing(const Plan& plan) : plan_(plan), theme_(*plan.theme), u_(plan.unit) {}
+
+  Scene scene() {
+    Scene scene;
+    scene.title = plan_.figure->title;
+    scene.width = plan_.width;
+    scene.height = plan_.height;
+    scene.dpi = plan_.figure->dpi;
+    scene.background = theme_.background;
+    scene.fonts = scene_fonts();
+    if (!plan_.title.empty()) {
+      Group& group = scene.root.group("title");
+      double y = plan_.title_y + cap_height * theme_.title_size * u_;
+      for (const Label& line : plan_.title) {
+        group.add({text(line, plan_.title_x, y, 0, theme_.text)});
+        y += 1.25 * theme_.title_size * u_;
+      }
+    }
+    for (std::size_t i = 0; i < plan_.panels.size(); ++i)
+      panel(scene.root.group(fmt::format("panel/{}", i)), plan_.panels[i], fmt::format("panel/{}", i));
+    return scene;
+  }
+
+ private:
+  const Plan& plan_;
+  const Theme& theme_;
+  const double u_;
+
+  TextRun text(const Label& label, double x, double y, int turns, Color color) {
+    return place(label, x, y, turns, color, theme_.background);
+  }
+
+  double x_of(const PanelPlan& p, double v) { return p.box.left + position(p.x, v) * p.box.width(); }
+  double y_of(const PanelPlan& p, const Ruler& r, double v) { return p.box.bottom - position(r, v) * p.box.height(); }
+
+  void panel(Group& group, const PanelPlan& p, const std::string& role) {
+    reference_bands(group, p, role);
+    grid(group, p, role);
+    areas(group, p, role);
+    reference_lines(group, p, role);
+    axes(group, p, role);
+    lines(group, p, role);
+    numbers(group, p, role);
+    words(group, p, role);
+    placed_labels(group, p, role);
+    key(group, p, role);
+  }
+
+  void reference_bands(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    Group* bands = nullptr;
+    for (const ReferenceBand& band : p.panel->bands) {
+      const auto y = [&](double v) { return to_pixels(p, p.x.lower, v, false).y; };
+      const auto x = [&](double v) { return to_pixels(p, v, p.y.lower, false).x; };
+      Box area{band.from ? x(*band.from) : b.left, band.upper ? y(*band.upper) : b.top,
+               band.until ? x(*band.until) : b.right, band.lower ? y(*band.lower) : b.bottom};
+      if (area.left > area.right) std::swap(area.left, area.right);
+      if (area.top > area.bottom) std::swap(area.top, area.bottom);
+      area = {std::max(area.left, b.left), std::max(area.top, b.top), std::min(area.right, b.right),
+              std::min(area.bottom, b.bottom)};
+      if (!(area.width() > 0) || !(area.height() > 0)) continue;
+      if (!bands) bands = &group.group(role + "/bands");
+      const Color color = band.color.value_or(theme_.reference);
+      bands->add({box_fill(area, with_alpha(color, 34))});
+    }
+  }
+
+  void grid(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    const auto crisp = [](double v) { return std::floor(v) + 0.5; };
+    Stroke minor{{}, to_fixed(theme_.grid_width * u_), {}, Stroke::Cap::butt, theme_.minor_grid};
+    Stroke major{{}, to_fixed(theme_.grid_width * u_), {}, Stroke::Cap::butt, theme_.grid};
+    for (const double v : p.x.minor)
+      minor.lines.push_back(straight(crisp(x_of(p, v)), b.top, crisp(x_of(p, v)), b.bottom));
+    for (const double v : p.y.minor)
+      minor.lines.push_back(straight(b.left, crisp(y_of(p, p.y, v)), b.right, crisp(y_of(p, p.y, v))));
+    for (const Tick& t : p.x.ticks)
+      major.lines.push_back(straight(crisp(x_of(p, t.value)), b.top, crisp(x_of(p, t.value)), b.bottom));
+    for (const Tick& t : p.y.ticks)
+      major.lines.push_back(straight(b.left, crisp(y_of(p, p.y, t.value)), b.right, crisp(y_of(p, p.y, t.value))));
+    Group& lines = group.group(role + "/grid");
+    if (!minor.lines.empty()) lines.add({std::move(minor)});
+    if (!major.lines.empty()) lines.add({std::move(major)});
+  }
+
+  Rect clip_of(const PanelPlan& p) { return to_rect(p.box.grown(2 * u_)); }
+
+  void areas(Group& group, const PanelPlan& p, const std::string& role) {
+    for (std::size_t i = 0; i < p.series.size(); ++i) {
+      const SeriesPlan& s = p.series[i];
+      if (s.series->kind != Series::Kind::band) continue;
+      Group& own = group.group(fmt::format("{}/series/{}", role, i), s.series->look.label);
+      own.clip = to_rect(p.box);
+      const Color color = with_alpha(s.color, s.series->look.color && s.color.a < 255 ? s.color.a : theme_.band_alpha);
+      for (const Curve& area : s.areas)
+        if (Polyline ring = to_polyline(area); ring.size() >= 3) own.add({Fill{{std::move(ring)}, color}});
+    }
+  }
+
+  void lines(Group& group, const PanelPlan& p, const std::string& role) {
+    for (std::size_t i = 0; i < p.series.size(); ++i) {
+      const SeriesPlan& s = p.series[i];
+      if (s.series->kind == Series::Kind::band) continue;
+      Group& own = group.group(fmt::format("{}/series/{}", role, i), s.series->look.label);
+      own.clip = clip_of(p);
+      Stroke stroke{{}, to_fixed(s.width), dashes(s.style, s.width, u_), Stroke::Cap::butt, s.color};
+      if (s.style == LineStyle::solid) stroke.cap = Stroke::Cap::round;
+      for (const Curve& line : s.lines) stroke.lines.push_back(to_polyline(line));
+      if (!stroke.lines.empty()) own.add({std::move(stroke)});
+      markers(own, s, p.box);
+    }
+  }
+
+  void markers(Group& own, const SeriesPlan& s, const Box& box) {
+    const Marker marker = s.series->look.marker == Marker::none ? Marker::dot : s.series->look.marker;
+    const double radius = s.series->look.style == LineStyle::none ? 3.6 * u_ : std::max(3.2 * u_, 1.6 * s.width);
+    own.clip = to_rect(s.marks.empty() ? box.grown(2 * u_) : box.grown(1.5 * radius));
+    Fill filled{{}, s.color};
+    Stroke drawn{{}, to_fixed(s.width), {}, Stroke::Cap::butt, s.color};
+    for (const Spot at : s.marks) add_marker(filled, drawn, marker, at, radius);
+    if (!filled.rings.empty()) own.add({std::move(filled)});
+    if (!drawn.lines.empty()) own.add({std::move(drawn)});
+  }
+
+  void reference_lines(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    const double width = theme_.reference_width * u_;
+    Group* lines = nullptr;
+    for (const ReferenceLine& line : p.panel->lines) {
+      const bool across = line.axis == ReferenceLine::y;
+      const Spot at = to_pixels(p, across ? p.x.lower : line.at, across ? line.at : p.y.lower, false);
+      if (std::isnan(at.x) || std::isnan(at.y)) continue;
+      if (!b.grown(0.5).contains(across ? Spot{b.left, at.y} : Spot{at.x, b.top})) continue;
+      if (!lines) lines = &group.group(role + "/lines");
+      const double level = std::floor(across ? at.y : at.x) + 0.5;
+      Stroke stroke{{across ? straight(b.left, level, b.right, level) : straight(level, b.bottom, level, b.top)},
+                    to_fixed(width),
+                    {},
+                    Stroke::Cap::butt,
+                    line.color.value_or(theme_.reference)};
+      if (line.style == LineStyle::dashed) stroke.dashes = {to_fixed(7 * u_), to_fixed(5 * u_)};
+      if (line.style == LineStyle::dotted) stroke.dashes = {to_fixed(2 * u_), to_fixed(3 * u_)};
+      if (line.style != LineStyle::none) lines->add({std::move(stroke)});
+    }
+  }
+
+  void axes(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    Stroke lines{{{to_point({b.left, b.top}), to_point({b.left, b.bottom}), to_point({b.right, b.bottom})}},
+                 to_fixed(1.1 * u_),
+                 {},
+                 Stroke::Cap::butt,
+                 theme_.axis};
+    group.group(role + "/axes").add({std::move(lines)});
+  }
+
+  void numbers(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    const double half = 0.5 * cap_height * theme_.text_size * u_;
+    const double gap = 9 * u_;
+    if (p.shows_x) {
+      Group& ticks = group.group(role + "/x/ticks", scale_name(p.x));
+      const double y = b.bottom + 0.4 * gap + 0.25 * theme_.text_size * u_ + 2 * half + 0.1 * theme_.text_size * u_;
+      for (std::size_t i = 0; i < p.x_ticks.size(); ++i)
+        ticks.add({text(p.x_ticks[i], x_of(p, p.x.ticks[i].value) - p.x_ticks[i].width / 2, y, 0, theme_.muted)});
+      if (!p.x_note.empty()) {
+        const double below = y + (p.x_label.empty() ? 1.45 * theme_.text_size * u_ : 1.5 * theme_.label_size * u_);
+        group.group(role + "/x/note").add({text(p.x_note, b.right - p.x_note.width, below, 0, theme_.muted)});
+      }
+    }
+    Group& left = group.group(role + "/y/ticks", scale_name(p.y));
+    const Color left_color = p.left_color.value_or(theme_.muted), right_color = p.right_color.value_or(theme_.muted);
+    for (std::size_t i = 0; i < p.y_ticks.size(); ++i)
+      left.add({text(p.y_ticks[i], b.left - gap - p.y_ticks[i].width, y_of(p, p.y, p.y.ticks[i].value) + half, 0,
+                     left_color)});
+    if (!p.y_note.empty()) group.group(role + "/y/note").add({text(p.y_note, b.left, b.top - gap, 0, left_color)});
+    if (!p.twin) return;
+    Group& right = group.group(role + "/right/ticks", scale_name(p.right));
+    for (std::size_t i = 0; i < p.right_ticks.size(); ++i)
+      right.add(
+          {text(p.right_ticks[i], b.right + gap, y_of(p, p.right, p.right.ticks[i].value) + half, 0, right_color)});
+    if (!p.right_note.empty())
+      group.group(role + "/right/note")
+          .add({text(p.right_note, b.right - p.right_note.width, b.top - gap, 0, right_color)});
+  }
+
+  void words(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    const double size = theme_.label_size * u_, line = 1.25 * size;
+    if (!p.title.empty()) {
+      Group& title = group.group(role + "/title");
+      double y = b.top - 0.8 * 9 * u_ - 0.1 * theme_.panel_title_size * u_ -
+                 static_cast<double>(p.title.size() - 1) * 1.25 * theme_.panel_title_size * u_;
+      if (!p.y_note.empty() || !p.right_note.empty()) y -= 1.45 * theme_.text_size * u_;
+      if (p.key.kind == KeyKind::above)
+        y = p.key.box.top - 0.4 * 9 * u_ -
+            static_cast<double>(p.title.size() - 1) * 1.25 * theme_.panel_title_size * u_;
+      for (const Label& l : p.title) {
+        title.add({text(l, b.left, y, 0, theme_.text)});
+        y += 1.25 * theme_.panel_title_size * u_;
+      }
+    }
+    if (!p.x_label.empty()) {
+      Group& label = group.group(role + "/x/label");
+      double y = b.bottom + 0.8 * 9 * u_ + 1.45 * theme_.text_size * u_ + cap_height * size + 0.12 * size;
+      for (const Label& l : p.x_label) {
+        label.add({text(l, (b.left + b.right - l.width) / 2, y, 0, theme_.text)});
+        y += line;
+      }
+    }
+    if (!p.y_label.empty()) {
+      Group& label = group.group(role + "/y/label");
+      double x = 18 * u_ + cap_height * size;
+      for (const Label& l : p.y_label) {
+        label.add({text(l, x, upright_y(p, l), 1, p.left_color.value_or(theme_.text))});
+        x += line;
+      }
+    }
+    if (!p.right_label.empty()) {
+      Group& label = group.group(role + "/right/label");
+      double widest = 0;
+      for (const Label& l : p.right_ticks) widest = std::max(widest, l.width);
+      double x = b.right + 9 * u_ + widest + 0.9 * 9 * u_ + cap_height * size;
+      for (const Label& l : p.right_label) {
+        label.add({text(l, x, upright_y(p, l), 1, p.right_color.value_or(theme_.text))});
+        x += line;
+      }
+    }
+  }
+
+  // Centred on the panel, but inside the picture.
+  double upright_y(const PanelPlan& p, const Label& l) {
+    const double y = (p.box.top + p.box.bottom + l.width) / 2;
+    return std::clamp(y, l.width + 4 * u_, std::max(plan_.height - 4 * u_, l.width + 4 * u_));
+  }
+
+  void placed_labels(Group& group, const PanelPlan& p, const std::string& role) {
+    if (p.labels.empty()) return;
+    Group& labels = group.group(role + "/labels");
+    for (const PlacedLabel& l : p.labels) {
+      const Box box{l.x + l.label.left, l.y + l.label.top, l.x + l.label.right, l.y + l.label.bottom};
+      if (l.veil) labels.add({box_fill(box.grown(2 * u_), with_alpha(theme_.background, 215))});
+      labels.add({text(l.label, l.x, l.y, 0, l.color)});
+    }
+  }
+
+  void key(Group& group, const PanelPlan& p, const std::string& role) {
+    const KeyPlan& k = p.key;
+    if (k.kind == KeyKind::none) return;
+    const double size = theme_.text_size * u_, half = 0.5 * cap_height * size;
+    Group& legend = group.group(role + (k.kind == KeyKind::end_labels ? "/ends" : "/legend"));
+    if (k.kind == KeyKind::end_labels) {
+      for (std::size_t i = 0; i < k.entries.size(); ++i) {
+        const SeriesPlan& s = p.series[k.entries[i]];
+        legend.group(fmt::format("{}/ends/{}", role, k.entries[i]))
+            .add({text(k.labels[i], p.box.right + 8 * u_, p.end_label_y[i] + 0.75 * half + 0.1 * half, 0,
+                       s.text_color)});
+      }
+      return;
+    }
+    const double pad = k.kind == KeyKind::inside ? 0.5 * size : 0, sample = 2 * size;
+    if (k.kind == KeyKind::inside) legend.add({box_fill(k.box, theme_.background)});
+    const int rows = static_cast<int>(std::ceil(static_cast<double>(k.labels.size()) / k.columns));
+    for (std::size_t i = 0; i < k.labels.size(); ++i) {
+      const int n = static_cast<int>(i);
+      const int column = k.kind == KeyKind::above ? n % k.columns : n / rows,
+                row = k.kind == KeyKind::above ? n / k.columns : n % rows;
+      const double x = k.box.left + pad + column * (k.column + 1.5 * size), y = k.box.top + pad + (row + 0.5) * k.row;
+      if (i < k.entries.size()) {
+        const SeriesPlan& s = p.series[k.entries[i]];
+        Group& entry = legend.group(fmt::format("{}/legend/{}", role, k.entries[i]), s.series->look.label);
+        sample_of(entry, s, x, y, sample);
+        entry.add({text(k.labels[i], x + sample + 0.55 * size, y + half, 0, theme_.text)});
+      } else {
+        legend.group(role + "/legend/more")
+            .add({text(k.labels[i], x + sample + 0.55 * size, y + half, 0, theme_.muted)});
+      }
+    }
+  }
+
+  void sample_of(Group& entry, const SeriesPlan& s, double x, double y, double length) {
+    if (s.series->kind == Series::Kind::band) {
+      const double half = 0.33 * theme_.text_size * u_;
+      const std::uint8_t alpha = s.series->look.color && s.color.a < 255 ? s.color.a : theme_.band_alpha;
+      entry.add({box_fill({x, y - half, x + length, y + half}, with_alpha(s.color, alpha))});
+      return;
+    }
+    if (s.style != LineStyle::none)
+      entry.add({Stroke{{straight(x, y, x + length, y)},
+                        to_fixed(s.width),
+                        dashes(s.style, s.width, u_),
+                        Stroke::Cap::butt,
+                        s.color}});
+    if (s.series->look.marker == Marker::none) return;
+    Fill filled{{}, s.color};
+    Stroke drawn{{}, to_fixed(s.width), {}, Stroke::Cap::butt, s.color};
+    add_marker(filled, drawn, s.series->look.marker, {x + length / 2, y}, 3.4 * u_);
+    if (!filled.rings.empty()) entry.add({std::move(filled)});
+    if (!drawn.lines.empty()) entry.add({std::move(drawn)});
+  }
+};
+
+}  // namespace
+
+Scene draw(const Plan& plan) { return Drawing(plan).scene(); }
+
+}  // namespace plantloop

@@ -1,0 +1,356 @@
+// Which line is which: end labels where they fit, else a legend in the emptiest corner, else one outside the panel.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "render/layout/occupancy.h"
+#include "render/layout/plan.h"
+
+namespace plantloop {
+namespace {
+
+constexpr double cell = 4;  // pixels, of the map of free space
+
+Occupancy map_of(const PanelPlan& panel) {
+  Occupancy map(panel.box, cell);
+  for (const SeriesPlan& series : panel.series) {
+    for (const Curve& area : series.areas) map.add_area(area);
+    for (const Curve& line : series.lines) map.add_line(line);
+    for (const Spot mark : series.marks) map.add_box(Box{mark.x, mark.y, mark.x, mark.y}.grown(4), 8);
+  }
+  for (const ReferenceLine& line : panel.panel->lines) {
+    const bool across = line.axis == ReferenceLine::y;
+    const Spot at = to_pixels(panel, across ? panel.x.lower : line.at, across ? line.at : panel.y.lower, false);
+    if (std::isnan(at.x) || std::isnan(at.y)) continue;
+    if (across)
+      map.add_line({{panel.box.left, at.y}, {panel.box.right, at.y}});
+    else
+      map.add_line({{at.x, panel.box.top}, {at.x, panel.box.bottom}});
+  }
+  for (const PlacedLabel& l : panel.labels)
+    map.add_box(Box{l.x + l.label.left, l.y + l.label.top, l.x + l.label.right, l.y + l.label.bottom}.grown(3), 100);
+  return map;
+}
+
+// Without the unit.
+std::string quantity(const std::string& label) {
+  const std::size_t bracket = label.rfind(" [");
+  return bracket == std::string::npos ? label : label.substr(0, bracket);
+}
+
+// The series that need an explanation.
+std::vector<std::size_t> labelled(const PanelPlan& panel) {
+  std::vector<std::size_t> result;
+  std::size_t left = 0, right = 0;
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const SeriesPlan& s = panel.series[i];
+    ++(s.right ? right : left);
+    const Axis& axis = s.right ? panel.panel->right : panel.panel->y;
+    const std::string& label = s.series->look.label;
+    const bool said_by_axis = (label == axis.label || label == quantity(axis.label)) && !label.empty();
+    if (!label.empty() && !(said_by_axis && panel.series.size() == 1)) result.push_back(i);
+  }
+  // The colours of the two axes' labels say it already.
+  const bool axes_say_it =
+      panel.twin && left == 1 && right == 1 && !panel.panel->y.label.empty() && !panel.panel->right.label.empty();
+  return axes_say_it ? std::vector<std::size_t>{} : result;
+}
+
+// Moves the wanted heights apart until neighbours have `row` between them, as little as possible.
+std::vector<double> spread(const std::vector<double>& wanted, double row) {
+  struct Cluster {
+    double sum = 0;
+    std::size_t count = 0;
+    double start(double distance) const {
+      return sum / static_cast<double>(count) - distance * static_cast<double>(count - 1) / 2;
+    }
+  };
+  std::vector<std::size_t> order(wanted.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wanted[a] < wanted[b]; });
+  std::vector<Cluster> clusters;
+  for (const std::size_t i : order) {
+    clusters.push_back({wanted[i], 1});
+    while (clusters.size() >= 2) {
+      const Cluster& above = clusters[clusters.size() - 2];
+      const Cluster& last = clusters.back();
+      if (above.start(row) + row * static_cast<double>(above.count) <= last.start(row)) break;
+      const Cluster joined{above.sum + last.sum, above.count + last.count};
+      clusters.pop_back();
+      clusters.back() = joined;
+    }
+  }
+  std::vector<double> result(wanted.size());
+  std::size_t next = 0;
+  for (const Cluster& c : clusters)
+    for (std::size_t k = 0; k < c.count; ++k) result[order[next++]] = c.start(row) + row * static_cast<double>(k);
+  return result;
+}
+
+// The height at which a line leaves the panel on the right; NaN when it does not reach that side.
+double end_height(const PanelPlan& panel, const SeriesPlan& series) {
+  double height = std::numeric_limits<double>::quiet_NaN();
+  for (const Curve& line : series.lines)
+    for (const Spot s : line)
+      if (s.x >= panel.box.right - 0.02 * panel.box.width() && s.x <= panel.box.right + 0.5) height = s.y;
+  const bool inside = height >= panel.box.top - 1 && height <= panel.box.bottom + 1;
+  return inside ? height : std::numeric_limits<double>::quiet_NaN();
+}
+
+struct Sizes {
+  double row, sample, gap, between;
+};
+
+Sizes sizes(const Plan& plan) {
+  const double size = plan.theme->text_size * plan.unit;
+  return {1.5 * size, 2.0 * size, 0.55 * size, 1.5 * size};
+}
+
+void set_key_labels(const Plan& plan, PanelPlan& panel, double width) {
+  panel.key.labels.clear();
+  for (const std::size_t i : panel.key.entries) {
+    const SeriesPlan& s = panel.series[i];
+    std::string text = s.series->look.label;
+    if (s.right) text += " (right)";
+    panel.key.labels.push_back(set_label_within(text, plan.text_style(), width));
+  }
+}
+
+void add_rest(const Plan& plan, KeyPlan& key) {
+  key.labels.push_back(set_label(fmt::format("and {} more", key.hidden), plan.text_style()));
+}
+
+// Leaves out the last entries when there are more than there is room for, and says how many.
+void cut_key(const Plan& plan, KeyPlan& key, std::size_t most) {
+  if (key.entries.size() <= most) return;
+  const std::size_t kept = most - 1;
+  key.hidden = key.entries.size() - kept;
+  key.entries.resize(kept);
+  key.labels.resize(kept);
+  add_rest(plan, key);
+}
+
+double widest(const std::vector<Label>& labels) {
+  double result = 0;
+  for (const Label& label : labels) result = std::max(result, label.width);
+  return result;
+}
+
+// The free place for a box of this size, or the best there is; `cost` tells which.
+Box emptiest(const PanelPlan& panel, const Occupancy& map, double width, double height, double inset, double& cost) {
+  const Box& b = panel.box;
+  const double left = b.left + inset, right = b.right - inset - width, middle = (left + right) / 2;
+  const double top = b.top + inset, bottom = b.bottom - inset - height, half = (top + bottom) / 2;
+  const Spot candidates[] = {{right, top},  {left, top},      {right, bottom}, {left, bottom},
+                             {middle, top}, {middle, bottom}, {right, half},   {left, half}};
+  Box best;
+  cost = std::numeric_limits<double>::infinity();
+  for (const Spot c : candidates) {
+    const Box box{c.x, c.y, c.x + width, c.y + height};
+    const double here = map.covered(box.grown(3));
+    if (here < cost) {
+      cost = here;
+      best = box;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+double end_label_width(const PanelPlan& panel) {
+  return panel.key.kind == KeyKind::end_labels ? widest(panel.key.labels) : 0;
+}
+
+void choose_end_labels(const Plan& plan, PanelPlan& panel) {
+  KeyPlan& key = panel.key;
+  key = {};
+  key.entries = labelled(panel);
+  if (key.entries.empty()) return;
+  key.kind = KeyKind::inside;
+  if (panel.twin || key.entries.size() > 8) return;
+  std::vector<double> heights;
+  for (const std::size_t i : key.entries) heights.push_back(end_height(panel, panel.series[i]));
+  if (std::any_of(heights.begin(), heights.end(), [](double h) { return std::isnan(h); })) return;
+  const double row = 1.25 * plan.theme->text_size * plan.unit;
+  panel.end_label_y = spread(heights, row);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    if (std::abs(heights[i] - panel.end_label_y[i]) > 0.8 * row) return;
+    if (panel.end_label_y[i] < panel.box.top - row || panel.end_label_y[i] > panel.box.bottom + 0.3 * row) return;
+  }
+  set_key_labels(plan, panel, 1e9);
+  if (widest(key.labels) > 0.2 * plan.width) return;
+  key.kind = KeyKind::end_labels;
+}
+
+void choose_legend(const Plan& plan, PanelPlan& panel) {
+  KeyPlan& key = panel.key;
+  if (key.kind == KeyKind::none || key.kind == KeyKind::end_labels) return;
+  const Sizes s = sizes(plan);
+  const double before = s.sample + s.gap;
+  const double count = static_cast<double>(key.entries.size());
+
+  set_key_labels(plan, panel, 0.45 * panel.box.width());
+  key.row = s.row;
+  key.column = before + widest(key.labels);
+  key.columns = 1;
+  double height = count * s.row;
+  if (height > 0.5 * panel.box.height() && count <= 12) {
+    key.columns = 2;
+    height = std::ceil(count / 2) * s.row;
+  }
+  const double width = key.columns * key.column + (key.columns - 1) * s.between;
+  if (height <= 0.6 * panel.box.height() && width <= 0.7 * panel.box.width()) {
+    double cost = 0;
+    const Occupancy map = map_of(panel);
+    const double pad = 0.5 * plan.theme->text_size * plan.unit;
+    key.box = emptiest(panel, map, width + 2 * pad, height + 2 * pad, 0.6 * plan.theme->text_size * plan.unit, cost);
+    if (cost == 0) {
+      key.kind = KeyKind::inside;
+      return;
+    }
+  }
+
+  // Rows between title and panel.
+  set_key_labels(plan, panel, 0.6 * panel.box.width());
+  key.column = before + widest(key.labels);
+  const double room = panel.box.width() + s.between;
+  key.columns = std::max(1, std::min(static_cast<int>(room / (key.column + s.between)), static_cast<int>(count)));
+  const int rows = static_cast<int>(std::ceil(count / key.columns));
+  const bool few = rows <= 3 && rows * s.row < 0.3 * panel.box.height();
+  const int per_column = std::max(1, static_cast<int>(panel.box.height() / s.row));
+  if (few || panel.twin || per_column < 6) {
+    key.kind = KeyKind::above;
+    const int most_rows = std::max(few ? rows : 1, static_cast<int>(0.4 * panel.box.height() / s.row));
+    cut_key(plan, key, static_cast<std::size_t>(key.columns * most_rows));
+    // As even as the number of rows allows.
+    const double shown = static_cast<double>(key.labels.size());
+    key.columns = static_cast<int>(std::ceil(shown / std::ceil(shown / key.columns)));
+    return;
+  }
+
+  // Columns right of the panel.
+  key.kind = KeyKind::beside;
+  key.columns = std::clamp(static_cast<int>(std::ceil(count / per_column)), 1, 3);
+  cut_key(plan, key, static_cast<std::size_t>(key.columns * per_column));
+  const std::size_t hidden = key.hidden;
+  set_key_labels(plan, panel, 0.4 * plan.width / key.columns - before - s.between);
+  if (hidden > 0) add_rest(plan, key);
+  key.column = before + widest(key.labels);
+}
+
+void place_key(const Plan& plan, PanelPlan& panel) {
+  KeyPlan& key = panel.key;
+  const Sizes s = sizes(plan);
+  const Box& b = panel.box;
+  if (key.kind == KeyKind::end_labels) {
+    std::vector<double> heights;
+    for (const std::size_t i : key.entries) heights.push_back(end_height(panel, panel.series[i]));
+    for (double& h : heights)
+      if (std::isnan(h)) h = (b.top + b.bottom) / 2;
+    panel.end_label_y = spread(heights, 1.25 * plan.theme->text_size * plan.unit);
+  } else if (key.kind == KeyKind::inside) {
+    double cost = 0;
+    key.box = emptiest(panel, map_of(panel), key.box.width(), key.box.height(), 0.6 * plan.theme->text_size * plan.unit,
+                       cost);
+  } else if (key.kind == KeyKind::above) {
+    const double rows = std::ceil(static_cast<double>(key.labels.size()) / key.columns);
+    const double bottom = b.top - 0.5 * s.row - (panel.y_note.empty() && panel.right_note.empty() ? 0 : 0.8 * s.row);
+    key.box = {b.left, bottom - rows * s.row, b.right, bottom};
+  } else if (key.kind == KeyKind::beside) {
+    const double left = plan.width - 1.2 * s.row - key.columns * key.column - (key.columns - 1) * s.between;
+    key.box = {left, b.top, plan.width - 1.2 * s.row, b.bottom};
+  }
+}
+
+void place_labels(const Plan& plan, PanelPlan& panel) {
+  panel.labels.clear();
+  const Theme& theme = *plan.theme;
+  const Box& b = panel.box;
+  const double gap = 6 * plan.unit;
+  const LabelStyle style{0.93 * theme.text_size * plan.unit, false, false};
+
+  // The candidate with the least below it; those that come first are preferred.
+  const auto settle = [&](Label label, const std::vector<Spot>& candidates, Color color) {
+    const Occupancy map = map_of(panel);
+    const Spot* best = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Spot& c : candidates) {
+      const Box box{c.x + label.left, c.y + label.top, c.x + label.right, c.y + label.bottom};
+      if (box.left < b.left || box.right > b.right || box.top < b.top || box.bottom > b.bottom) continue;
+      const double cost = map.covered(box.grown(1.5));
+      if (cost < least && cost < 1e4) {
+        least = cost;
+        best = &c;
+      }
+    }
+    const bool taken =
+        best && std::any_of(panel.labels.begin(), panel.labels.end(), [&](const PlacedLabel& o) {
+          const Box other{o.x + o.label.left, o.y + o.label.top, o.x + o.label.right, o.y + o.label.bottom};
+          return other.grown(2).meets(
+              {best->x + label.left, best->y + label.top, best->x + label.right, best->y + label.bottom});
+        });
+    if (best && !taken) panel.labels.push_back({std::move(label), best->x, best->y, color, least >= 8});
+  };
+  const auto fit = [&](const std::string& text) { return set_label_within(text, style, 0.5 * b.width()); };
+  const auto beside_level = [&](const Label& label, double y) {
+    std::vector<Spot> spots;
+    for (const double part : {1.0, 0.0, 0.75, 0.5, 0.25}) {
+      const double x = b.left + gap + part * (b.width() - 2 * gap - label.width);
+      spots.push_back({x, y - gap - label.bottom});
+      spots.push_back({x, y + gap + cap_height * label.size});
+    }
+    return spots;
+  };
+
+  for (const ReferenceLine& line : panel.panel->lines) {
+    if (line.label.empty()) continue;
+    const bool across = line.axis == ReferenceLine::y;
+    const Spot at = to_pixels(panel, across ? panel.x.lower : line.at, across ? line.at : panel.y.lower, false);
+    if (std::isnan(at.x) || std::isnan(at.y) || !b.grown(0.5).contains(across ? Spot{b.left, at.y} : Spot{at.x, b.top}))
+      continue;
+    const Color color = readable_on(theme.background, line.color.value_or(theme.reference), 4.5);
+    Label label = fit(line.label);
+    std::vector<Spot> spots;
+    if (across) {
+      spots = beside_level(label, at.y);
+    } else {
+      for (const double part : {0.0, 1.0, 0.25, 0.5, 0.75}) {
+        const double y = b.top + gap + cap_height * label.size + part * (b.height() - 2 * gap - label.size);
+        spots.push_back({at.x + gap, y});
+        spots.push_back({at.x - gap - label.width, y});
+      }
+    }
+    settle(std::move(label), spots, color);
+  }
+  for (const ReferenceBand& band : panel.panel->bands) {
+    if (band.label.empty()) continue;
+    const Color color = readable_on(theme.background, band.color.value_or(theme.reference), 4.5);
+    Label label = fit(band.label);
+    const double top = band.upper ? to_pixels(panel, panel.x.lower, *band.upper, false).y : b.top;
+    const double bottom = band.lower ? to_pixels(panel, panel.x.lower, *band.lower, false).y : b.bottom;
+    const double left = band.from ? to_pixels(panel, *band.from, panel.y.lower, false).x : b.left;
+    const double right = band.until ? to_pixels(panel, *band.until, panel.y.lower, false).x : b.right;
+    const Box area{std::max(left, b.left), std::max(top, b.top), std::min(right, b.right), std::min(bottom, b.bottom)};
+    if (!(area.width() > 0) || !(area.height() > 0)) continue;
+    std::vector<Spot> spots;
+    const double capital = cap_height * label.size;
+    if (area.height() > label.size + 2 * gap) {
+      for (const double y :
+           {area.top + gap + capital, area.bottom - gap - label.bottom, (area.top + area.bottom + capital) / 2})
+        for (const double x :
+             {area.left + gap, area.right - gap - label.width, (area.left + area.right - label.width) / 2})
+          if (x + label.width <= area.right) spots.push_back({x, y});
+    }
+    for (const double y : {area.top - gap, area.bottom + gap + capital})
+      for (const double x :
+           {area.right - gap - label.width, area.left + gap, (area.left + area.right - label.width) / 2})
+        spots.push_back({x, y});
+    settle(std::move(label), spots, color);
+  }
+}
+
+}  // namespace plantloop

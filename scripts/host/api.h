@@ -1,0 +1,69 @@
+// What scripts may call: one table per type from which both the functions and the editors' declarations are made.
+
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "scripts/host/stack.h"
+
+namespace plantloop::lua {
+
+// Types as the declarations write them: "from: number, n?: integer, ...: number".
+struct Entry {
+  std::string_view name;
+  lua_CFunction function;
+  std::string_view parameters;  // without the object of a method
+  std::string_view returns;
+  std::string_view doc;
+  bool also_method = false;  // a function of `pl` that vectors have as a method, too: its first parameter is the vector
+};
+using Entries = std::vector<Entry>;
+
+struct FieldInfo {
+  std::string_view name, type, doc;
+};
+
+struct TypeInfo {
+  std::string_view name;  // "Run"; "pl" is the module itself
+  std::string_view doc;
+  Entries entries;
+  std::vector<FieldInfo> fields;
+};
+
+// Every type with its methods, and the module.
+const std::vector<TypeInfo>& api();
+
+// The module's functions, by file.
+Entries vector_makers();
+Entries elementwise_functions();
+Entries reductions();
+Entries series_functions();
+Entries matrix_functions();
+Entries vector_methods();
+Entries diagram_functions();
+Entries diagram_methods();
+Entries run_methods();
+Entries figure_functions();
+Entries figure_methods();
+Entries panel_methods();
+Entries file_functions();
+
+// Set up metatables of the objects.
+void open_vectors(lua_State* L);
+void open_diagrams(lua_State* L);
+void open_runs(lua_State* L);
+void open_figures(lua_State* L);
+
+// The table `pl`, on the stack.
+void push_module(lua_State* L);
+// A table with the functions of the entries, on the stack.
+void push_functions(lua_State* L, const Entries& entries);
+
+// The globals of a script, built from a list of what is allowed: replaces what is there.
+void open_globals(lua_State* L);
+void open_strings(lua_State* L);  // fills the table on the stack
+void open_tables(lua_State* L);
+void open_require(lua_State* L);
+
+}  // namespace plantloop::lua

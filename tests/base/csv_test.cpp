@@ -1,0 +1,55 @@
+// Reading CSV files that people and instruments write, and what is said when they cannot be read.
+
+#include "engine/base/csv.h"
+
+#include <gtest/gtest.h>
+
+namespace plantloop {
+namespace {
+
+TEST(Csv, ReadsAHeaderAndColumns) {
+  const CsvResult csv = read_csv("time,u\n0,1.5\n0.1,-2e3\n");
+  ASSERT_TRUE(csv.ok()) << csv.error;
+  EXPECT_EQ(csv.table.find("u"), 1);
+  EXPECT_EQ(csv.table.columns[1], (std::vector{1.5, -2e3}));
+}
+
+TEST(Csv, NumbersTheColumnsOfAFileWithoutHeader) {
+  const CsvResult csv = read_csv("0,1\n1,2");
+  ASSERT_TRUE(csv.ok());
+  EXPECT_EQ(csv.table.names, (std::vector<std::string>{"1", "2"}));
+  EXPECT_EQ(csv.table.rows(), 2U);
+}
+
+TEST(Csv, ReadsWhatSpreadsheetsAndInstrumentsWrite) {
+  const CsvResult csv =
+      read_csv("\xEF\xBB\xBF# recorded today\r\n\r\n\"time [s]\";\"flow, cold\"\r\n0 ; 1\r\n1;\t2\r\n");
+  ASSERT_TRUE(csv.ok()) << csv.error;
+  EXPECT_EQ(csv.table.names, (std::vector<std::string>{"time [s]", "flow, cold"}));
+  EXPECT_EQ(csv.table.columns[1], (std::vector{1.0, 2.0}));
+}
+
+TEST(Csv, SaysWhatIsWrongAndWhere) {
+  const auto error = [](std::string_view text) {
+    const CsvResult csv = read_csv(text);
+    return std::to_string(csv.line) + ":" + std::to_string(csv.column) + ": " + csv.error;
+  };
+  EXPECT_EQ(error("t,y\n0,1\n1, abc\n"), "3:4: 'abc' is no number");
+  EXPECT_EQ(error("t;y\n0;1,5\n"), "2:3: '1,5' is no number");
+  EXPECT_EQ(error("t,y\n0\n"), "2:2: 1 value, but the first line has 2");
+  EXPECT_EQ(error("t,y\n0,1,2\n"), "2:5: 3 values, but the first line has 2");
+  EXPECT_EQ(error("t,y\n0,\n"), "2:3: the value of 'y' is missing");
+  EXPECT_EQ(error("t,t\n0,1\n"), "1:3: two columns are called 't'");
+  EXPECT_EQ(error("t,\n0,1\n"), "1:3: column 2 has no name");
+  EXPECT_EQ(error("# nothing\n"), "1:0: it holds no line with values");
+  EXPECT_EQ(error("t,y\n0,nan\n"), "2:3: 'nan' is no number");
+}
+
+TEST(Csv, AHeaderAloneIsATableWithoutRows) {
+  const CsvResult csv = read_csv("t,y\n");
+  ASSERT_TRUE(csv.ok());
+  EXPECT_EQ(csv.table.rows(), 0U);
+}
+
+}  // namespace
+}  // namespace plantloop

@@ -1,0 +1,47 @@
+// Every diagram of the book checks without a finding, runs, and meets its own expectations.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/book/book_runs.h"
+
+namespace plantloop::testing_book {
+namespace {
+
+std::vector<std::string> diagrams() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("diagrams/book")) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class BookDiagram : public testing::TestWithParam<std::string> {
+ protected:
+  std::string path() const { return "diagrams/book/" + GetParam() + ".yaml"; }
+};
+
+TEST_P(BookDiagram, ChecksWithoutAFinding) {
+  Report report;
+  const auto diagram = Diagram::load(path(), report);
+  ASSERT_TRUE(diagram) << to_text(report);
+  diagram->check({}, report);
+  EXPECT_EQ(to_text(report), "");
+}
+
+TEST_P(BookDiagram, MeetsItsExpectations) { EXPECT_EQ(run_file(path()).unmet(), ""); }
+
+TEST_P(BookDiagram, MeetsItsExpectationsWithTheStiffSolver) {
+  EXPECT_EQ(run_file(path(), {.rtol = 1e-10, .atol = 1e-12, .solver = "bdf"}).unmet(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BookDiagram, testing::ValuesIn(diagrams()),
+                         [](const auto& instance) { return instance.param; });
+
+}  // namespace
+}  // namespace plantloop::testing_book

@@ -1,0 +1,73 @@
+// The include table. To let a layer know another one, change a line here, and say why in the commit.
+
+#include "tests/house/include_table.h"
+
+#include "tests/house/tree.h"
+
+namespace plantloop::house {
+
+const std::vector<Layer>& layers() {
+  static const std::vector<Layer> table{
+      {"engine/base", "base", {}},
+      {"engine/program", "program", {"engine/base"}},
+      {"engine/block", "block", {"engine/base", "engine/program"}},
+      {"engine/diagram", "diagram", {"engine/base"}},
+      {"engine/graph", "graph", {"engine/base", "engine/program", "engine/block", "engine/diagram"}},
+      {"engine/solve", "solve", {"engine/base"}},  // sees a model through an interface of its own
+      {"engine/run",
+       "run",
+       {"engine/base", "engine/program", "engine/block", "engine/diagram", "engine/graph", "engine/solve"}},
+      {"blocks", "blocks", {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/program/kernel.h"}},
+      {"identify", "identify", {"engine/base"}},
+      {"render", "render", {"engine/base"}},
+      {"app/figures", "figures", {"engine", "render"}},  // shared by the commands and the Lua host
+      {"scripts/host", "lua_host", {"engine", "identify", "render", "app/figures"}},
+      {"app", "", {"engine", "identify", "render", "scripts/host", "app/figures"}},
+      {"bench", "", {"engine"}},
+      {"tests", "", {"engine", "blocks", "identify", "render", "scripts/host", "app"}},
+  };
+  return table;
+}
+
+const std::vector<Door>& doors() {
+  static const std::vector<Door> table{
+      {"fmt/", {"engine", "blocks", "identify", "render", "scripts", "app", "tests", "bench"}},
+      {"yaml-cpp/", {"engine/diagram/document.cpp"}},
+      {"cvode/", {"engine/solve/cvode.cpp"}},
+      {"nvector/", {"engine/solve/cvode.cpp"}},
+      {"sundials/", {"engine/solve/cvode.cpp"}},
+      {"sunlinsol/", {"engine/solve/cvode.cpp"}},
+      {"sunmatrix/", {"engine/solve/cvode.cpp"}},
+      {"sunnonlinsol/", {"engine/solve/cvode.cpp"}},
+      {"lua", {"scripts/host"}},
+      {"GL/", {"render/gl"}},
+      {"ft2build.h", {"render/text"}},
+      {"freetype/", {"render/text"}},
+      {"hb", {"render/text"}},
+      {"png.h", {"render/backend"}},
+      {"zlib.h", {"render/backend"}},
+      {"CLI/", {"app"}},
+      {"nlohmann/", {"engine/base/report.cpp", "engine/run", "app", "tests"}},
+      {"Eigen/", {"identify", "scripts/host", "tests"}},
+      {"gtest/", {"tests"}},
+      {"gmock/", {"tests"}},
+      {"benchmark/", {"bench"}},
+      // The operating system.
+      {"unistd.h", {"engine/base", "app", "tests", "scripts/host"}},
+      {"fcntl.h", {"engine/base", "tests", "scripts/host"}},
+      {"sys/", {"engine/base", "app", "tests", "scripts/host"}},
+      {"dlfcn.h", {"render/gl"}},
+      {"cxxabi.h", {"tests"}},
+  };
+  return table;
+}
+
+const Layer* layer_of(std::string_view path) {
+  const Layer* best = nullptr;
+  for (const Layer& layer : layers()) {
+    if (covers(layer.path, path) && (!best || layer.path.size() > best->path.size())) best = &layer;
+  }
+  return best;
+}
+
+}  // namespace plantloop::house

@@ -1,0 +1,48 @@
+// Every experiment in scripts/examples runs and ends with its answer.
+
+#include <algorithm>
+#include <fstream>
+
+#include "tests/scripts/workshop.h"
+
+namespace plantloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> examples() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator("scripts/examples")) {
+    if (entry.path().extension() == ".lua") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(Examples, AnswerTheirQuestion) {
+  // They write below out/ of a folder of their own.
+  const fs::path root = fs::current_path();
+  const fs::path place = fs::path("build") / "tests-of-examples";
+  for (const std::string& name : examples()) {
+    SCOPED_TRACE(name);
+    const fs::path script = root / "scripts" / "examples" / (name + ".lua");
+    std::string question;
+    std::ifstream file(script);
+    std::getline(file, question);
+    EXPECT_TRUE(question.starts_with("-- ") && question.ends_with("?")) << question;
+    fs::create_directories(place);
+    fs::current_path(place);
+    std::ostringstream output;
+    std::ostringstream messages;
+    ScriptOptions options;
+    options.output = &output;
+    options.messages = &messages;
+    EXPECT_EQ(run_script(script.string(), {}, options), script_done) << messages.str();
+    EXPECT_EQ(messages.str(), "");
+    EXPECT_NE(output.str(), "");
+    fs::current_path(root);
+  }
+}
+
+}  // namespace
+}  // namespace plantloop

@@ -1,0 +1,66 @@
+// Figures from scripts, as SVG, which can be read.
+
+#include "tests/scripts/workshop.h"
+
+namespace plantloop {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Figures : public Workshop {
+ protected:
+  Figures() { write_lag(); }
+};
+
+TEST_F(Figures, HaveCurvesLinesAndBands) {
+  EXPECT_EQ(
+      printed("local f = pl.figure{title = 'A title', x = 'time [s]', y = 'speed', limits = {0, 2}, lines = {{y = 1.5, "
+              "label = 'top'}}}\n"
+              "local t = pl.linspace(0, 1, 5)\n"
+              "f:line(t, t, {label = 'rise', style = 'dashed'}):stairs(t, 1 - t, {label = 'fall', color = 'green'})\n"
+              "f:markers({0, 1}, {1, 1}, {marker = 'ring'}):band(t, t - 0.1, t + 0.1)\n"
+              "f:reference{x = 0.5, label = 'half'}:shade{lower = 0.9, upper = 1.1, label = 'goal'}\n"
+              "print(f:save 'out/deep/er/figure.svg')"),
+      "out/deep/er/figure.svg");
+  const std::string svg = read("out/deep/er/figure.svg");
+  for (const char* text : {"<svg", "A title", "speed", "rise", "fall", "top", "half", "goal"})
+    EXPECT_THAT(svg, HasSubstr(text));
+}
+
+TEST_F(Figures, HavePanelsAndTwinAxes) {
+  EXPECT_EQ(printed("local f = pl.figure{x = {label = 'time [s]', limits = {0, 5}}}\n"
+                    "local run = pl.load('lag.yaml'):run()\n"
+                    "f:panel{title = 'first', y = 'out'}:line(run.time, run.y, {label = 'y'})\n"
+                    "local p = f:panel{y = {label = 'low', scale = 'log'}, right = 'high', height = 0.5}\n"
+                    "p:line(run.time, run.y + 1):line(run.time, run.u, {right = true, label = 'drive'})\n"
+                    "f:panel{x = 'u'}:signal(run, 'y')\n"
+                    "f:save 'a.svg'; f:save 'a.png'"),
+            "");
+  const std::string svg = read("a.svg");
+  for (const char* text : {"first", "out", "low", "high", "drive", "y [m]"}) EXPECT_THAT(svg, HasSubstr(text));
+  EXPECT_THAT(read("a.png"), StartsWith("\x89PNG"));
+}
+
+TEST_F(Figures, OfTheDiagramAreDrawn) {
+  EXPECT_EQ(printed("local run = pl.load('lag.yaml'):run(); print(run:figures('out', 'svg')[1])"), "out/response.svg");
+  EXPECT_THAT(read("out/response.svg"), HasSubstr("time [s]"));
+  EXPECT_EQ(printed("local f = pl.load('lag.yaml'):run():figure 'response'; f:line({0, 5}, {0, 1}, {label = 'mine'}); "
+                    "f:save 'b.svg'"),
+            "");
+  EXPECT_THAT(read("b.svg"), HasSubstr("mine"));
+}
+
+TEST_F(Figures, SayWhatIsWrong) {
+  EXPECT_EQ(complaint("pl.figure():line({1, 2}, {1, 2, 3})"), "experiment.lua:1: line: x has 2 numbers and y has 3");
+  EXPECT_THAT(complaint("pl.figure{tilte = 'x'}"), HasSubstr("there is no 'tilte'; did you mean 'title'?"));
+  EXPECT_THAT(complaint("pl.figure():line({1}, {1}, {color = 'ugly'})"), HasSubstr("there is no colour 'ugly'"));
+  EXPECT_THAT(complaint("pl.figure():line({1}, {1}, {style = 'wavy'})"), HasSubstr("'style' must be solid, dashed"));
+  EXPECT_THAT(complaint("pl.figure():save 'a.gif'"), HasSubstr("the name must end in .png or .svg"));
+  EXPECT_THAT(complaint("pl.figure():lines({1}, {1})"), HasSubstr("a figure has no 'lines'; did you mean 'line'?"));
+  EXPECT_THAT(complaint("pl.figure{width = 1}:save 'a.svg'"), Not(HasSubstr("no error")));
+}
+
+}  // namespace
+}  // namespace plantloop
