@@ -11,10 +11,11 @@ endif()
 set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)
 find_package(fmt REQUIRED)
 
-# ccache when it is there; never required.
+# ccache when it is there; never required. Paths count from the source tree, so that clones and worktrees share what was compiled.
 find_program(PLANTLOOP_CCACHE ccache)
 if(PLANTLOOP_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${PLANTLOOP_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${PLANTLOOP_CCACHE})
 endif()
 
 option(PLANTLOOP_WERROR "treat warnings as errors" ON)

@@ -2,23 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "engine/run/diagram.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+#include "tests/allocations/counting.h"
 
 namespace plantloop {
 namespace {
@@ -28,9 +13,9 @@ long allocations_of(const std::string& blocks, const std::string& stop, const st
   const auto diagram = Diagram::from_text(
       "plantloop: 1\nblocks:\n" + blocks + "simulation: {stop: " + stop + ", " + solver + "}\n", "test.yaml", report);
   if (!diagram || !diagram->run({}, report)) ADD_FAILURE() << to_text(report);
-  const long before = allocations;
+  const long before = testing::allocations();
   (void)diagram->run({}, report);  // compiled already
-  return allocations - before;
+  return testing::allocations() - before;
 }
 
 const std::string smooth = "  x: {type: integrator, in: v, initial: 1}\n  v: {type: integrator, in: -sin(x)}\n";

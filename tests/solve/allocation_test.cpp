@@ -2,25 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "engine/solve/tableau.h"
+#include "tests/allocations/counting.h"
 #include "tests/solve/systems.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Not inlined, so that compilers do not take one for the other's counterpart.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* room = std::malloc(size)) return room;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* room) noexcept { std::free(room); }
-[[gnu::noinline]] void operator delete(void* room, std::size_t) noexcept { std::free(room); }
 
 namespace plantloop {
 namespace {
@@ -34,13 +18,13 @@ TEST(ExplicitMethods, AllocateNothingWhileStepping) {
         const auto integrator =
             make_integrator(chain, {.solver = std::string(method.name), .stop = 1000, .step = step});
         std::vector<double> x(static_cast<std::size_t>(n));
-        const long before = allocations;
+        const long before = testing::allocations();
         for (int k = 0; k < 50; ++k) {
           const double t = integrator->step(1000);
           integrator->interpolate(t - 1e-3, x.data());
           if (k == 20) integrator->restart(t);
         }
-        EXPECT_EQ(allocations - before, 0) << method.name;
+        EXPECT_EQ(testing::allocations() - before, 0) << method.name;
       }
     }
   }
