@@ -1,0 +1,244 @@
+// Events are located on the dense output of an accepted step; then jumps and modes settle by passes.
+
+#include "engine/run/events.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "engine/base/error.h"
+#include "engine/program/resolve.h"
+
+namespace plantloop {
+
+namespace {
+
+constexpr int most_passes = 100;            // of event iteration
+constexpr int most_events_in_a_row = 1000;  // closer together than 1000 event tolerances
+
+std::vector<Direction> directions_of_guards(const Program& program) {
+  std::vector<Direction> directions;
+  for (const Program::Guard& guard : program.guards) directions.push_back(static_cast<Direction>(guard.direction));
+  return directions;
+}
+
+}  // namespace
+
+Events::Events(RunState& run, KernelAdvance& kernels, Rows& rows)
+    : run_(run),
+      frame_(run.frame),
+      program_(run.program),
+      options_(run.options),
+      kernels_(kernels),
+      rows_(rows),
+      roots_(directions_of_guards(run.program), run.options.event_tol),
+      guard_values_(run.program.guards.size()) {}
+
+void Events::guards_at(double t, double* values) {
+  run_.put_states_of(t);
+  KernelFrame kernels = frame_.kernel_frame(true);
+  execute(program_.guard_list, frame_.arena, &kernels);
+  for (std::size_t i = 0; i < program_.guards.size(); ++i) values[i] = frame_.arena[program_.guard_list.roots[i]];
+}
+
+bool Events::crossing_between(double before, double after) {
+  const double parts = std::max(1.0, std::ceil((after - before) / run_.gap * (1 - 1e-9)));
+  double from = before;
+  for (double i = 1; i <= parts; ++i) {
+    const double to = i < parts ? before + (after - before) * i / parts : after;
+    const auto found = roots_.first(from, to, [this](double t, double* values) { guards_at(t, values); });
+    if (found) {
+      const double at = found->time;
+      before_event_ = found->before;
+      fired_.assign(found->fired.begin(), found->fired.end());
+      rows_.log_between(before, at);
+      if (!kernels_.none()) kernels_.through(before, at);
+      run_.put_states_of(at);
+      run_.t = at;
+      watch_for_zeno(at);
+      event(true);
+      return true;
+    }
+    if (i == 1 || i == parts) {
+      run_.put_states_of(to);
+      if (in_wrong_mode(before, to)) return true;
+    }
+    roots_.remember(roots_.values());
+    from = to;
+  }
+  return false;
+}
+
+// A function that was zero at the start of a step has no sign to change. When the end of the step shows another mode
+// than the one that was used, the step is taken again in that mode.
+bool Events::in_wrong_mode(double before, double after) {
+  if (program_.modes.empty() || !modes_differ()) return false;
+  if (retried_at_ == before) {  // it turns either way: go on from the end with what holds there
+    rows_.log_between(before, after);
+    run_.t = before_event_ = after;
+    if (!kernels_.none()) kernels_.through(before, after);
+    fired_.clear();
+    event(true);
+    return true;
+  }
+  retried_at_ = before;
+  take_modes();
+  run_.put_states_of(before);
+  KernelFrame kernels = frame_.kernel_frame(false);
+  execute(program_.held_list, frame_.arena, &kernels, event_bit);
+  run_.t = before;
+  run_.restart = true;
+  ++run_.statistics.mode_changes;
+  return true;
+}
+
+void Events::watch_for_zeno(double at) {
+  const double tolerance = event_tolerance(at, options_.event_tol);
+  events_in_a_row_ = at - last_event_ < 1e3 * tolerance ? events_in_a_row_ + 1 : 0;
+  last_event_ = at;
+  if (events_in_a_row_ > most_events_in_a_row) {
+    throw RunError(fmt::format("at time {} s events follow each other without end: {}", at, names_of_fired()), at);
+  }
+}
+
+bool Events::a_jump_fired() const {
+  return std::any_of(fired_.begin(), fired_.end(),
+                     [this](int g) { return program_.guards[static_cast<std::size_t>(g)].is_jump; });
+}
+
+std::string Events::names_of_fired() const {
+  std::string names;
+  for (const int g : fired_) {
+    const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
+    const std::string name = guard.is_jump ? program_.jumps[guard.index].name : mode_name(guard.index);
+    if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
+  }
+  return names;
+}
+
+std::string Events::mode_name(std::size_t mode) const {
+  return program_.sites[program_.resolved->graph.modes[mode].site].path;
+}
+
+void Events::event(bool located) {
+  if (located) {
+    ++run_.statistics.events;
+    rows_.log_left_of_event(run_.t, before_event_, a_jump_fired());
+  }
+  settle_events(located ? fired_ : std::vector<int>{}, event_bit);
+  rows_.log_right(event_bit);
+  if (!kernels_.none()) kernels_.continuous(false);
+  run_.restart = true;
+}
+
+void Events::settle_events(std::vector<int> fired, Mask bits) {
+  bool states_changed = false;
+  for (int pass = 0;; ++pass) {
+    if (pass == most_passes) {
+      fired_ = fired;
+      throw RunError(fmt::format("at time {} s events do not settle: {}", run_.t, names_of_fired()), run_.t);
+    }
+    states_changed = jump(fired) || states_changed;
+    settle(bits);
+    if (program_.guards.empty()) break;
+    const std::vector<int> before = std::move(fired);
+    fired = guards_fired_by_now(before);
+    if (fired.empty()) break;
+  }
+  run_.restart = run_.restart || states_changed;
+}
+
+// Applies the jumps among the guards; their values come from before any of them.
+bool Events::jump(const std::vector<int>& fired) {
+  bool any = false;
+  for (const int g : fired) any = any || program_.guards[static_cast<std::size_t>(g)].is_jump;
+  if (!any) return false;
+  KernelFrame kernels = frame_.kernel_frame(true);
+  execute(program_.jump_list, frame_.arena, &kernels);
+  std::vector<std::pair<SlotIndex, double>> changes;
+  for (const int g : fired) {
+    const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
+    if (!guard.is_jump) continue;
+    const Program::Jump& jump = program_.jumps[guard.index];
+    rows_.recording().events[jump.name].push_back(run_.t);
+    for (std::size_t i = 0; i < jump.targets.size(); ++i) {
+      changes.emplace_back(jump.targets[i].slot, frame_.arena[program_.jump_list.roots[jump.first_value + i]]);
+    }
+  }
+  for (const auto& [slot, value] : changes) frame_.arena[slot] = value;
+  return true;
+}
+
+// Which jumps fire because something changed discontinuously; takes all signs into memory.
+std::vector<int> Events::guards_fired_by_now(const std::vector<int>& just_fired) {
+  KernelFrame kernels = frame_.kernel_frame(false);
+  execute(program_.guard_list, frame_.arena, &kernels);
+  std::vector<int> fired;
+  std::vector<double>& values = guard_values_;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = frame_.arena[program_.guard_list.roots[i]];
+    const int sign = values[i] > 0 ? 1 : values[i] < 0 ? -1 : 0;
+    const Program::Guard& guard = program_.guards[i];
+    const bool new_one = std::find(just_fired.begin(), just_fired.end(), static_cast<int>(i)) == just_fired.end();
+    if (guard.is_jump && new_one && sign != 0 && roots_.signs()[i] == -sign &&
+        (guard.direction == 0 || guard.direction == sign)) {
+      fired.push_back(static_cast<int>(i));
+    }
+  }
+  roots_.remember_fired(just_fired, values);
+  // The memory of those that fired is not touched again.
+  for (const int g : just_fired) values[static_cast<std::size_t>(g)] = std::numeric_limits<double>::quiet_NaN();
+  roots_.remember(values);
+  return fired;
+}
+
+void Events::remember_guards() {
+  if (program_.guards.empty()) return;
+  KernelFrame kernels = frame_.kernel_frame(false);
+  execute(program_.guard_list, frame_.arena, &kernels);
+  for (std::size_t i = 0; i < guard_values_.size(); ++i) guard_values_[i] = frame_.arena[program_.guard_list.roots[i]];
+  roots_.remember(guard_values_);
+}
+
+void Events::settle(Mask bits) {
+  frame_.arena[program_.time] = run_.t;
+  KernelFrame kernels = frame_.kernel_frame(false);
+  execute(program_.held_list, frame_.arena, &kernels, bits);
+  if (program_.modes.empty()) return;
+  for (int pass = 0; modes_differ(); ++pass) {
+    if (pass == most_passes) {
+      throw RunError(fmt::format("at time {} s events do not settle: {}", run_.t, name_of_differing_mode()), run_.t);
+    }
+    take_modes();
+    ++run_.statistics.mode_changes;
+    execute(program_.held_list, frame_.arena, &kernels, bits | event_bit);
+  }
+}
+
+bool Events::modes_differ() {
+  KernelFrame kernels = frame_.kernel_frame(false);
+  execute(program_.mode_list, frame_.arena, &kernels);
+  for (std::size_t m = 0; m < program_.modes.size(); ++m) {
+    const double now = frame_.arena[program_.mode_list.roots[m]];
+    if (now != frame_.arena[program_.modes[m]] && !std::isnan(now)) return true;
+  }
+  return false;
+}
+
+std::string Events::name_of_differing_mode() const {
+  for (std::size_t m = 0; m < program_.modes.size(); ++m) {
+    if (frame_.arena[program_.mode_list.roots[m]] != frame_.arena[program_.modes[m]]) return mode_name(m);
+  }
+  return {};
+}
+
+void Events::take_modes() {
+  for (std::size_t m = 0; m < program_.modes.size(); ++m) {
+    frame_.arena[program_.modes[m]] = frame_.arena[program_.mode_list.roots[m]];
+  }
+}
+
+}  // namespace plantloop

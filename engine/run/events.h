@@ -1,0 +1,63 @@
+// State events: functions that change their sign, the jumps and modes that follow, until all is settled (S10).
+
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/run/kernel_advance.h"
+#include "engine/run/rows.h"
+#include "engine/run/run_state.h"
+#include "engine/solve/root.h"
+
+namespace plantloop {
+
+// Every function throws RunError when events do not settle or follow each other without end.
+class Events {
+ public:
+  Events(RunState& run, KernelAdvance& kernels, Rows& rows);
+
+  bool none() const { return program_.guards.empty(); }
+  // Handles the first event on (before, after], if there is one: true, and the run's time is that of the event. A long
+  // step is looked at in parts as short as the gaps between rows, so that a function that changes its sign twice is
+  // seen.
+  bool crossing_between(double before, double after);
+  // Runs the held operations of these bits, and takes modes by the present values until they stay.
+  void settle(Mask bits);
+  // The same with the jumps that follow. `fired` are guards that are known to have crossed; further ones are found by
+  // their signs.
+  void settle_events(std::vector<int> fired, Mask bits);
+  // Takes the signs of the guards into memory, as at the start of a run.
+  void remember_guards();
+
+ private:
+  void guards_at(double t, double* values);
+  bool in_wrong_mode(double before, double after);
+  void watch_for_zeno(double at);
+  bool a_jump_fired() const;
+  std::string names_of_fired() const;
+  std::string mode_name(std::size_t mode) const;
+  void event(bool located);
+  bool jump(const std::vector<int>& fired);
+  std::vector<int> guards_fired_by_now(const std::vector<int>& just_fired);
+  bool modes_differ();
+  std::string name_of_differing_mode() const;
+  void take_modes();
+
+  RunState& run_;
+  Frame& frame_;
+  const Program& program_;
+  const SimulationOptions& options_;
+  KernelAdvance& kernels_;
+  Rows& rows_;
+  RootFinder roots_;
+  std::vector<double> guard_values_;
+  std::vector<int> fired_;
+  double before_event_ = 0;  // s; none of fired_ has crossed there
+  double retried_at_ = std::numeric_limits<double>::quiet_NaN();
+  double last_event_ = -std::numeric_limits<double>::infinity();
+  int events_in_a_row_ = 0;
+};
+
+}  // namespace plantloop

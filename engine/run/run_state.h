@@ -1,0 +1,41 @@
+// What the parts of one run share: where it stands, the integrator, and what has been counted.
+
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "engine/run/clockwork.h"
+#include "engine/run/frame.h"
+#include "engine/run/simulation.h"
+#include "engine/solve/integrator.h"
+
+namespace plantloop {
+
+struct RunState {
+  RunState(Frame& run_frame, const SimulationOptions& run_options)
+      : frame(run_frame),
+        program(*run_frame.program),
+        options(run_options),
+        gap((run_options.stop - run_options.start) / gaps) {}
+
+  static constexpr int gaps = 500;  // rows are no further apart than (stop - start)/gaps
+
+  Frame& frame;
+  const Program& program;
+  const SimulationOptions& options;
+  double gap;    // s
+  double t = 0;  // s; everything until here has happened
+  std::optional<Clockwork> clockwork;
+  std::unique_ptr<Integrator> integrator;  // null without continuous states
+  bool restart = true;  // the states, or what their derivatives read, changed: the integrator must forget the past
+  RunStatistics statistics;
+
+  // The states and the time of an instant inside the last step.
+  void put_states_of(double time) {
+    if (integrator) integrator->interpolate(time, frame.states());
+    frame.arena[program.time] = time;  // after the interpolation, which may evaluate derivatives elsewhere
+  }
+};
+
+}  // namespace plantloop
