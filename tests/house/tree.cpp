@@ -21,6 +21,7 @@ bool is_left_out(const fs::path& path) {
 }
 
 bool is_text(const fs::path& path) {
+  if (path.filename() == ".git") return false;  // of a second working tree: a file that says where the first one is
   static constexpr std::array binary{".png", ".npz", ".pdf", ".otf", ".ttf", ".gz"};
   return std::ranges::find(binary, path.extension().string()) == binary.end();
 }
