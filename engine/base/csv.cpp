@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "engine/base/numbers.h"
@@ -60,8 +61,12 @@ std::uint32_t column_at(std::string_view line, std::size_t offset) {
   return static_cast<std::uint32_t>(count_characters(line.substr(0, offset))) + 1;
 }
 
+bool is_missing(std::string_view cell) { return cell.empty() || cell == "nan" || cell == "NaN" || cell == "NA"; }
+
 class CsvReader {
  public:
+  explicit CsvReader(MissingCells missing) : missing_(missing) {}
+
   CsvResult read(std::string_view text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     while (!text.empty() && result_.ok()) {
@@ -118,7 +123,9 @@ class CsvReader {
         return fail(fmt::format("{} values, but the first line has {}", found, columns.size()),
                     column_at(line, offset));
       }
-      const std::optional<double> value = parse_number(cell);
+      std::optional<double> value = parse_number(cell);
+      if (!value && missing_ == MissingCells::as_nan && is_missing(cell))
+        value = std::numeric_limits<double>::quiet_NaN();
       if (!value) {
         return fail(cell.empty() ? fmt::format("the value of '{}' is missing", result_.table.names[index])
                                  : fmt::format("'{}' is no number", printable(cell)),
@@ -134,6 +141,7 @@ class CsvReader {
     }
   }
 
+  MissingCells missing_;
   CsvResult result_;
   std::uint32_t number_ = 0;
   char separator_ = ',';
@@ -146,6 +154,6 @@ int CsvTable::find(std::string_view name) const {
   return at == names.end() ? -1 : static_cast<int>(at - names.begin());
 }
 
-CsvResult read_csv(std::string_view text) { return CsvReader().read(text); }
+CsvResult read_csv(std::string_view text, MissingCells missing) { return CsvReader(missing).read(text); }
 
 }  // namespace plantloop

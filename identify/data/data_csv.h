@@ -1,0 +1,31 @@
+// Data sets as CSV files.
+
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/data/data_set.h"
+
+namespace plantloop::identify {
+
+struct CsvColumns {
+  // Names of columns, without units. Both empty: columns that begin with u are inputs, with y outputs, and there must
+  // be no others; else columns that are not named are not read.
+  std::vector<std::string> inputs, outputs;
+  std::optional<double> Ts;  // s; needed only when there is no column `time`
+};
+
+// A table with a header: `time` in s (or `t`), signals as `name` or `name [unit]`, and `experiment`, a number that
+// changes where another experiment begins. An empty cell, `nan` or `NA` is a missing value. Time must advance evenly
+// within an experiment, to 5 % of the sampling time, as printed times are rounded. `file` names it in messages.
+// Raises IdentifyError.
+DataSet read_data_csv(std::string_view text, const std::string& file, const CsvColumns& columns = {});
+
+// The same back, 17 significant digits, so that reading it gives equal numbers; the column `experiment` when there are
+// several.
+std::string to_csv(const DataSet& data);
+
+}  // namespace plantloop::identify
