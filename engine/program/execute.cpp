@@ -10,6 +10,7 @@
 #include <cassert>
 #include <utility>
 
+#include "engine/base/vectors.h"
 #include "engine/program/program.h"
 
 namespace plantloop {
@@ -50,7 +51,7 @@ struct Operand {
 using GroupFunction = void (*)(const GroupRun&, double*, const std::uint32_t*);
 
 template <Op op, int pa, int pb, int pc>
-void run_group(const GroupRun& group, double* arena, const std::uint32_t* gathers) {
+[[gnu::always_inline]] inline void loop(const GroupRun& group, double* arena, const std::uint32_t* gathers) {
   // A group never writes what it reads: results have slots of their own.
   double* __restrict out = arena + group.out;
   const Operand<pa> a(arena, gathers, group.a);
@@ -60,37 +61,52 @@ void run_group(const GroupRun& group, double* arena, const std::uint32_t* gather
   for (std::uint32_t i = 0; i < count; ++i) out[i] = Function<op>::apply(a[i], b[i], c[i]);
 }
 
-constexpr int patterns_of(int arity) { return arity == 1 ? 3 : arity == 2 ? 9 : 27; }
-
-template <Op op, int arity, std::size_t... p>
-constexpr std::array<GroupFunction, 27> group_row(std::index_sequence<p...>) {
-  // Operands that the operation does not have count as constant.
-  return {run_group < op, static_cast<int>(p % 3), (arity > 1) ? static_cast<int>(p / 3 % 3) : 1,
-          (arity > 2) ? static_cast<int>(p / 9) : 1 > ...};
+template <Op op, int pa, int pb, int pc>
+void run_group(const GroupRun& group, double* arena, const std::uint32_t* gathers) {
+  loop<op, pa, pb, pc>(group, arena, gathers);
+}
+template <Op op, int pa, int pb, int pc>
+PLANTLOOP_WIDE void run_wide_group(const GroupRun& group, double* arena, const std::uint32_t* gathers) {
+  loop<op, pa, pb, pc>(group, arena, gathers);
 }
 
+template <bool wide, Op op, int arity, std::size_t... p>
+constexpr std::array<GroupFunction, 27> group_row(std::index_sequence<p...>) {
+  // Operands that the operation does not have count as constant.
+  if constexpr (wide) {
+    return {run_wide_group < op, static_cast<int>(p % 3), (arity > 1) ? static_cast<int>(p / 3 % 3) : 1,
+            (arity > 2) ? static_cast<int>(p / 9) : 1 > ...};
+  } else {
+    return {run_group < op, static_cast<int>(p % 3), (arity > 1) ? static_cast<int>(p / 3 % 3) : 1,
+            (arity > 2) ? static_cast<int>(p / 9) : 1 > ...};
+  }
+}
+
+template <bool wide>
 constexpr auto make_group_table() {
   std::array<std::array<GroupFunction, 27>, 256> table{};
 #define X(name, expression) \
-  table[static_cast<std::size_t>(Op::name)] = group_row<Op::name, 1>(std::make_index_sequence<3>());
+  table[static_cast<std::size_t>(Op::name)] = group_row<wide, Op::name, 1>(std::make_index_sequence<3>());
   PLANTLOOP_UNARY_OPERATIONS(X)
 #undef X
 #define X(name, expression) \
-  table[static_cast<std::size_t>(Op::name)] = group_row<Op::name, 2>(std::make_index_sequence<9>());
+  table[static_cast<std::size_t>(Op::name)] = group_row<wide, Op::name, 2>(std::make_index_sequence<9>());
   PLANTLOOP_BINARY_OPERATIONS(X)
 #undef X
 #define X(name, expression) \
-  table[static_cast<std::size_t>(Op::name)] = group_row<Op::name, 3>(std::make_index_sequence<27>());
+  table[static_cast<std::size_t>(Op::name)] = group_row<wide, Op::name, 3>(std::make_index_sequence<27>());
   PLANTLOOP_TERNARY_OPERATIONS(X)
 #undef X
   return table;
 }
-constexpr auto group_table = make_group_table();
+constexpr auto group_table = make_group_table<false>();
+constexpr auto wide_group_table = make_group_table<true>();
 
 void run_groups(const List& list, const Segment& segment, double* arena) {
+  const auto& table = has_wide_vectors ? wide_group_table : group_table;
   for (std::uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
     const GroupRun& group = list.groups[i];
-    group_table[static_cast<std::size_t>(group.op)][group.pattern](group, arena, list.gathers.data());
+    table[static_cast<std::size_t>(group.op)][group.pattern](group, arena, list.gathers.data());
   }
 }
 

@@ -12,6 +12,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/base/vectors.h"
+
 namespace plantloop {
 
 // Below this width loops stay scalar: derivatives are then stored one by one, and a vector load over fresh scalar
@@ -24,6 +26,12 @@ inline constexpr std::size_t narrow_width = 16;
 #define PLANTLOOP_INDEPENDENT _Pragma("GCC ivdep")
 #endif
 
+template <typename Body>
+PLANTLOOP_WIDE void for_each_wide(std::size_t n, Body body) {
+  PLANTLOOP_INDEPENDENT
+  for (std::size_t i = 0; i < n; ++i) body(i);
+}
+
 // body(i) for i = 0 ... n - 1, which do not depend on each other.
 template <typename Body>
 inline void for_each_state(std::size_t n, Body body) {
@@ -32,6 +40,10 @@ inline void for_each_state(std::size_t n, Body body) {
       body(i);
       asm volatile("" ::: "memory");  // no instruction; keeps the compiler from joining neighbours into vectors
     }
+    return;
+  }
+  if (has_wide_vectors) {
+    for_each_wide(n, body);
     return;
   }
   PLANTLOOP_INDEPENDENT
