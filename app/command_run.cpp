@@ -96,10 +96,9 @@ std::string summary(const Diagram& diagram, const DiagramRun& run) {
   return text;
 }
 
-std::string verdicts(const DiagramRun& run, bool only_failed) {
+std::string verdicts(const DiagramRun& run) {
   std::string text;
   for (const Verdict& v : run.verdicts) {
-    if (only_failed && v.met) continue;
     text += fmt::format("  {}  {}: {}\n", v.met ? "met    " : "NOT met", v.text, v.measured);
   }
   return text.empty() ? text : "expect:\n" + text;
@@ -171,12 +170,11 @@ int run_diagram(const RunOptions& o) {
 
   const double writing = seconds();
   bool written = true;
+  const bool on_terminal = is_terminal(STDOUT_FILENO);
   if (!o.out.empty() && o.out != "-") {
     written = write_result(run->recording, o.out);
-  } else if (o.out == "-" || (!is_terminal(STDOUT_FILENO) && o.figures.empty())) {
+  } else if (o.out == "-" || (!on_terminal && o.figures.empty())) {
     written = write_out(to_csv(run->recording));
-  } else if (!o.quiet) {
-    written = write_out(summary(*diagram, *run) + verdicts(*run, false));
   }
   if (!o.figures.empty()) {
     const std::string error = write_figures(diagram->model(), *run, o.figures, split_formats(o.format));
@@ -185,7 +183,11 @@ int run_diagram(const RunOptions& o) {
       written = false;
     }
   }
-  if (!o.quiet && !is_terminal(STDOUT_FILENO)) fmt::print(stderr, "{}", verdicts(*run, true));
+  if (!o.quiet && on_terminal && o.out != "-") {
+    written = write_out(summary(*diagram, *run) + verdicts(*run)) && written;
+  } else if (!o.quiet) {
+    fmt::print(stderr, "{}", verdicts(*run));
+  }
   if (o.timing) {
     fmt::print(stderr, "timing: read {:.6f} compile {:.6f} simulate {:.6f} write {:.6f}\n", diagram->read_time(),
                run->timing.compile, run->timing.simulate, seconds() - writing);
