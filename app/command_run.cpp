@@ -143,6 +143,7 @@ int run_diagram(const RunOptions& o) {
   Report report;
   const auto diagram = Diagram::load(o.file, report);
   if (!diagram || report.has_errors()) {
+    if (diagram) diagram->check(request.set, report);
     print(report);
     return input_wrong;
   }

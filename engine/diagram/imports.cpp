@@ -43,7 +43,9 @@ const Files::File& Files::add_root(const std::string& path, Node& root) {
   file.scope->path = path;
   scopes.push_back(file.scope);
   read_types(file, root);
+  const std::size_t errors = report_.error_count();
   read_imports(file, root);
+  file.scope->incomplete = report_.error_count() > errors;
   file.complete = true;
   chain_.pop_back();
   return file;

@@ -57,10 +57,13 @@ void check_library(const Node& root, Model& model, Report& report) {
 }
 
 std::shared_ptr<const Model> build(std::string text, const std::string& path, Report& report) {
+  const std::size_t errors = report.error_count();
   const auto source = std::make_shared<const Source>(Source{path, std::move(text)});
   Node root = read_document(source, report);
+  const std::size_t errors_of_yaml = report.error_count();
   if (root.kind == Node::Kind::null || !check_top_level(root, report)) return nullptr;
   auto model = std::make_shared<Model>();
+  model->is_broken = report.error_count() > errors_of_yaml;
   model->path = path;
   model->project = project_folder(path);
   Files files(model->project, report);
@@ -72,8 +75,11 @@ std::shared_ptr<const Model> build(std::string text, const std::string& path, Re
   model->sources = std::move(files.sources);
   model->sources.insert(model->sources.begin(), source);
   read_sections(root, *model, report);
+  const std::size_t errors_of_parts = report.error_count();
   check_library(root, *model, report);
   check_containment(*model, report);
+  model->is_broken = model->is_broken || report.error_count() > errors_of_parts;
+  model->has_errors = report.error_count() > errors;
   return model;
 }
 

@@ -22,6 +22,7 @@ struct ParameterDecl {
   ExpressionPtr value;  // null for a text
   std::optional<std::string> text;
   std::string unit, doc;
+  bool bad = false;  // a finding has been reported
 };
 
 // A named wire, `u: plant.y`, inside a mapping `in:`.
@@ -63,6 +64,7 @@ struct BlockDecl {
   std::string doc, unit, label;
   bool zero_crossing = true;
   int priority = 0;
+  bool bad = false;  // a finding has been reported
 };
 
 struct InputDecl {
@@ -92,6 +94,7 @@ struct TypeDecl {
   std::vector<OutputDecl> outputs;
   std::vector<BlockDecl> blocks;
   const FileScope* file = nullptr;  // which types its blocks may name
+  bool bad = false;                 // a finding has been reported that is not about one of its parameters or blocks
 };
 
 // The types that a file's blocks may name: its own and those of the files that it imports (directly, not through
@@ -99,6 +102,7 @@ struct TypeDecl {
 struct FileScope {
   std::string path;
   std::map<std::string, std::shared_ptr<const TypeDecl>> types;
+  bool incomplete = false;  // something could not be imported: a type may be missing for that reason
 };
 
 struct SimulationDecl {
@@ -176,7 +180,9 @@ struct Model {
   bool has_record = false;
   std::vector<FigureDecl> figures;
   std::vector<ExpectDecl> expect;
-  std::map<std::string, std::string> checks;           // id -> note, warning, error or off
+  std::map<std::string, std::string> checks;  // id -> note, warning, error or off
+  bool has_errors = false;  // something was reported; elaborate() then looks for more and gives no graph
+  bool is_broken = false;   // what was reported leaves nothing sound to look at
   std::vector<std::shared_ptr<const Source>> sources;  // keeps the marks' texts alive
 };
 

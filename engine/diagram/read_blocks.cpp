@@ -269,7 +269,9 @@ std::vector<BlockDecl> read_blocks(Node& node, Report& report) {
           .named("yaml");
       return blocks;
     }
+    const std::size_t errors = report.error_count();
     blocks.push_back(reader.read(node.keys[i], node.key_marks[i], node.items[i]));
+    blocks.back().bad = report.error_count() > errors;
   }
   return blocks;
 }

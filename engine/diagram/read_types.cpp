@@ -120,6 +120,7 @@ std::vector<ParameterDecl> read_parameters(const Node& node, bool of_type, Repor
   }
   parameters.reserve(node.items.size());
   for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const std::size_t errors = report.error_count();
     ParameterDecl parameter;
     parameter.name = node.keys[i];
     parameter.mark = node.key_marks[i];
@@ -133,6 +134,7 @@ std::vector<ParameterDecl> read_parameters(const Node& node, bool of_type, Repor
     } else {
       parameter.value = parse_expression(value, report);
     }
+    parameter.bad = report.error_count() > errors;
     parameters.push_back(std::move(parameter));
   }
   return parameters;
@@ -140,11 +142,20 @@ std::vector<ParameterDecl> read_parameters(const Node& node, bool of_type, Repor
 
 std::shared_ptr<TypeDecl> read_type(const std::string& name, const Mark& mark, Node& node, Report& report) {
   auto type = std::make_shared<TypeDecl>();
+  const std::size_t errors = report.error_count();
+  std::size_t errors_of_parts = 0;
+  const auto counting = [&](auto&& read) {
+    const std::size_t before = report.error_count();
+    auto parts = read();
+    errors_of_parts += report.error_count() - before;
+    return parts;
+  };
   type->name = name;
   type->mark = mark;
   check_name(name, mark, "type", report);
   const Section section(node, fmt::format("type '{}'", name), {"doc", "parameters", "inputs", "outputs", "blocks"},
                         report);
+  type->bad = !section;
   if (!section) return type;
   type->doc = section.text("doc");
   for (std::size_t i = 0; i < node.keys.size(); ++i) {
@@ -154,12 +165,13 @@ std::shared_ptr<TypeDecl> read_type(const std::string& name, const Mark& mark, N
       if (key != "doc") report.error(node.key_marks[i], "'{}' of type '{}' is empty", key, name).named("missing-key");
       continue;
     }
-    if (key == "parameters") type->parameters = read_parameters(value, true, report);
+    if (key == "parameters") type->parameters = counting([&] { return read_parameters(value, true, report); });
     if (key == "inputs") type->inputs = read_inputs(value, report);
     if (key == "outputs") type->outputs = read_outputs(value, report);
-    if (key == "blocks") type->blocks = read_blocks(value, report);
+    if (key == "blocks") type->blocks = counting([&] { return read_blocks(value, report); });
   }
   check_scope(*type, report);
+  type->bad = report.error_count() > errors + errors_of_parts;
   return type;
 }
 

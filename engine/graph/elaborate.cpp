@@ -496,7 +496,7 @@ void check_unused_types(Elaboration& e) {
   if (!file) return;
   std::vector<const TypeDecl*> unused;
   for (const auto& [name, type] : file->types) {
-    if (type->file == file && !e.types.contains(type.get())) unused.push_back(type.get());
+    if (type->file == file && !type->bad && !e.types.contains(type.get())) unused.push_back(type.get());
   }
   if (unused.empty()) return;
   TypeDecl diagram;
@@ -514,7 +514,7 @@ void check_unused_types(Elaboration& e) {
 }  // namespace
 
 std::shared_ptr<const Graph> elaborate(std::shared_ptr<const Model> model, const Overrides& overrides, Report& report) {
-  if (!model || !model->top) return nullptr;
+  if (!model || !model->top || model->is_broken) return nullptr;
   Findings findings(report);
   Elaboration e(std::move(model), findings);
   read_overrides(e, overrides);
@@ -530,7 +530,7 @@ std::shared_ptr<const Graph> elaborate(std::shared_ptr<const Model> model, const
   Showing(e).run();
   show_default(e);
   check_unused_types(e);
-  if (e.findings.failed()) return nullptr;
+  if (e.findings.failed() || e.model.has_errors) return nullptr;
   return e.graph;
 }
 

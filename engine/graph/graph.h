@@ -193,7 +193,8 @@ struct Graph {
   bool columns_cut = false;  // there were more than 200 by default
 };
 
-// Resolves the model and reports everything that is wrong with it; null when anything was.
+// Resolves the model and reports everything that is wrong with it; null when anything was, here or when it was read.
+// Parts that are wrong already are left out, and so is what follows from them.
 std::shared_ptr<const Graph> elaborate(std::shared_ptr<const Model> model, const Overrides& overrides, Report& report);
 
 // The full path of a net: "plant.ps", "plant.u", "error"; the first output of a block is its bare path.

@@ -94,6 +94,7 @@ class Instantiation {
       too_many_ = true;
       return {};
     }
+    if (decl.bad) return {};  // reading the file has reported it
     const bool unbuilt = has_unbuilt_keys(decl);
     if (decl.expression) return add_expression(s, decl);
     if (decl.type.empty() || decl.type == "expression") return {};  // reading the file has reported it
@@ -102,6 +103,7 @@ class Instantiation {
       const auto found = file->types.find(decl.type);
       if (found != file->types.end()) own = found->second.get();
     }
+    if (own && own->bad) return {};  // reported too
     if (own) return unbuilt ? GraphChild{} : add_scope(s, decl, *own);
     if (const BlockType* built_in = find_block(decl.type))
       return unbuilt ? GraphChild{} : add_block(s, decl, *built_in);
@@ -139,6 +141,7 @@ class Instantiation {
           .named("no-derivative");
       return;
     }
+    if (const FileScope* file = g_.scopes[s].type->file; file && file->incomplete) return;
     Finding& finding =
         e_.findings.error(decl.type_mark, "there is no block type '{}'", decl.type).named("unknown-type");
     std::vector<std::string> names;
@@ -267,6 +270,10 @@ class Instantiation {
     p.unit = decl.unit;
     p.is_default = field == nullptr;
     p.mark = field ? field->mark : decl.mark;
+    if (decl.bad) {  // reading the file has reported it
+      p.bad = true;
+      return;
+    }
     OverrideNode* above = e_.scope_overrides[owner];
     OverrideNode* given = above ? above->find(decl.name) : nullptr;
     if (decl.text) {

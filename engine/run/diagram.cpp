@@ -135,17 +135,22 @@ std::string_view familiar_solver(std::string_view name) {
   return {};
 }
 
+// The solver of that name; null after reporting that there is none.
+const SolverInfo* find_solver(const std::string& name, const Mark& mark, Report& report) {
+  if (const SolverInfo* info = find_solver(name)) return info;
+  std::vector<std::string> names;
+  for (const SolverInfo& s : solvers()) names.emplace_back(s.name);
+  Finding& finding = report.error(mark, "there is no solver '{}'", name);
+  if (const std::string_view ours = familiar_solver(name); !ours.empty()) finding.hint(fmt::format("take {}", ours));
+  finding.suggest(name, names);
+  return nullptr;
+}
+
 // A solver and a step that do not go together; `mark` is where the solver is named.
 void check_solver(const SimulationOptions& options, const Mark& mark, Report& report) {
-  const SolverInfo* info = find_solver(options.solver);
-  if (info == nullptr) {
-    std::vector<std::string> names;
-    for (const SolverInfo& s : solvers()) names.emplace_back(s.name);
-    Finding& finding = report.error(mark, "there is no solver '{}'", options.solver);
-    if (const std::string_view ours = familiar_solver(options.solver); !ours.empty())
-      finding.hint(fmt::format("take {}", ours));
-    finding.suggest(options.solver, names);
-  } else if (options.step > 0 && !info->fixed) {
+  const SolverInfo* info = find_solver(options.solver, mark, report);
+  if (info == nullptr) return;
+  if (options.step > 0 && !info->fixed) {
     report.error(mark, "solver '{}' chooses its own steps: leave 'step' out, or take rk4", options.solver);
   } else if (options.step <= 0 && !info->adaptive) {
     report.error(mark, "solver '{}' needs a step", options.solver).hint("for example step: 0.001");
@@ -243,7 +248,11 @@ std::shared_ptr<const Diagram::Compiled> Diagram::compiled(const Overrides& set,
 void Diagram::check(const Overrides& set, Report& report) {
   if (model_->is_library) return;
   const auto built = build(set, {}, 0, report);
-  if (built) check_solver(built->options, model_->simulation.solver_mark, report);
+  if (built) {
+    check_solver(built->options, model_->simulation.solver_mark, report);
+  } else {
+    find_solver(model_->simulation.solver, model_->simulation.solver_mark, report);
+  }
 }
 
 std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report, const RunControl& control,

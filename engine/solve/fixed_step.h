@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <cstdint>
+
 #include "engine/solve/stages.h"
 
 namespace plantloop {
