@@ -238,12 +238,21 @@ enum class Direction { rising, falling, either };
 struct Crossing {
   Array function;  // crosses zero at the event
   Direction direction;
+  bool of_slope = false;  // it is the function's derivative by time that crosses zero
 };
 inline Crossing crossing(const Array& function, Direction direction = Direction::either) {
   return {function, direction};
 }
+// The instant at which a condition becomes true; one that holds at the start does not. What the event sets is computed
+// from the states just before and the conditions just after it.
+inline Crossing becomes(const Truths& condition) { return {where(condition, 0.5, -0.5), Direction::rising}; }
+// The instant at which a continuous signal turns: from rising to falling (`falling`), or the other way round. The slope
+// is computed along the run, from the equations; what passes through a kernel is not seen.
+inline Crossing turning(const Array& signal, Direction direction = Direction::either) {
+  return {signal, direction, true};
+}
 // jumps(): at the event that `when` names, the states get new values, computed from the values just before it. The
-// crossing and the values go element by element.
+// crossing and the values go element by element. An event that sets nothing is a step's end and no more.
 class Jumps {
  public:
   class Event {
@@ -343,6 +352,7 @@ struct BlockType {
   std::string_view group;  // the folder below blocks/
   std::string_view summary;
   std::string_view details;
+  std::string_view example;  // a whole diagram but for its first line, `plantloop: 1`; it meets its `expect:`
   std::unique_ptr<const Block> block;
 };
 
@@ -352,9 +362,10 @@ const std::vector<BlockType>& catalogue();
 const BlockType* find_block(std::string_view name);
 
 // Registers the block of a file. Its name is the file's name.
-#define PLANTLOOP_BLOCK(type_name, Class)                                                              \
-  BlockType plantloop_block_##type_name() {                                                            \
-    return BlockType{#type_name, {}, Class::summary, Class::details, std::make_unique<const Class>()}; \
+#define PLANTLOOP_BLOCK(type_name, Class)                                                                     \
+  BlockType plantloop_block_##type_name() {                                                                   \
+    return BlockType{                                                                                         \
+        #type_name, {}, Class::summary, Class::details, Class::example + 1, std::make_unique<const Class>()}; \
   }
 
 }  // namespace plantloop

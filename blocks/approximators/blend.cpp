@@ -14,6 +14,13 @@ struct Blend final : Block {
       "y = weights_1 values_1 + ... + weights_n values_n.  values is [a, b, ...], or a matrix with one row for each "
       "weight; entries may "
       "be vectors of one size, and then y is such a vector.  in: {weights: mu, values: [a, b, c]}";
+  static constexpr auto example = R"(
+blocks:
+  mu: {type: triangular_weights, in: time, centres: [0, 1]}
+  y: {type: blend, in: {weights: mu, values: [10, 20]}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.25, value: 12.5, abs: 1e-9}]
+)";
 
   Input weights{this, "weights", {.doc = "the weights, as of gaussian_weights", .size = any_size}};
   Input values{this, "values", {.doc = "one scalar or vector for each weight", .size = any_size}};

@@ -13,6 +13,11 @@ struct GaussianWeights final : Block {
       "w_i = exp(-(u - centres_i)^2/(2 widths_i^2)), mu_i = w_i/(w_1 + ... + w_n).  Far away from all centres the "
       "nearest one (in "
       "its own widths) gets all the weight.";
+  static constexpr auto example = R"(
+blocks: {mu: {type: gaussian_weights, in: time, centres: [0, 2], widths: 0.5}}
+simulation: {stop: 2}
+expect: [{signal: mu.1, at: 1, value: 0.5, abs: 1e-9}]
+)";
 
   Input u{this, "u", {.doc = "signal that decides, the scheduling variable", .size = scalar}};
   Table centres{this, "centres", {.doc = "where each weight is centred"}};

@@ -11,6 +11,11 @@ struct TriangularWeights final : Block {
       "mu_i is 1 at centres_i and falls evenly to 0 at the centres beside it; beyond the first and last centre the "
       "weight of that one "
       "stays 1. Blending with these weights is interpolation by straight lines. The kinks are events.";
+  static constexpr auto example = R"(
+blocks: {mu: {type: triangular_weights, in: time, centres: [0, 1, 3]}}
+simulation: {stop: 3}
+expect: [{signal: mu.2, at: 2, value: 0.5, abs: 1e-9}]
+)";
 
   Input u{this, "u", {.doc = "signal that decides, the scheduling variable", .size = scalar}};
   Table centres{this, "centres", {.doc = "where each weight is 1, ascending", .ascending = true}};

@@ -11,6 +11,13 @@ struct FilteredDerivative final : Block {
       "y = N (u - x),  x' = y: the transfer function N s/(s + N). x starts at u, so the output starts at 0; the error "
       "of the "
       "derivative is about u''/N.";
+  static constexpr auto example = R"(
+blocks:
+  u: {type: ramp, slope: 3}
+  d: {type: filtered_derivative, in: u, N: 50}
+simulation: {stop: 1}
+expect: [{signal: d, measure: final, value: 3, abs: 1e-3}]
+)";
 
   Input u{this, "u", {.doc = "signal to differentiate"}};
   Number N{this, "N", {.init = 100, .unit = "rad/s", .doc = "pole of the filter", .above = 0}};

@@ -8,6 +8,11 @@ namespace {
 struct FirstOrder final : Block {
   static constexpr auto summary = "Follow the input with a lag.";
   static constexpr auto details = "x' = (k u - x) / tau,  y = x";
+  static constexpr auto example = R"(
+blocks: {x: {type: first_order, in: 1, k: 2, tau: 0.5}}
+simulation: {stop: 2}
+expect: [{signal: x, at: 0.5, value: 2*(1 - exp(-1)), abs: 1e-6}]
+)";
 
   Input u{this, "u", {.doc = "signal to follow"}};
   Number k{this, "k", {.init = 1, .doc = "gain at rest"}};

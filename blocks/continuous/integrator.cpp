@@ -15,6 +15,13 @@ struct Integrator final : Block {
       "x' = u,  y = x.  With lower or upper the state never leaves the limits: at a limit it stands still while the "
       "input "
       "pushes further out.";
+  static constexpr auto example = R"(
+blocks: {x: {type: integrator, in: cos(time), upper: 0.5}}
+simulation: {stop: 2}
+expect:
+  - {signal: x, at: 0.3, value: sin(0.3), abs: 1e-6}
+  - {signal: x, at: 1.5, value: 0.5}
+)";
 
   Input u{this, "u", {.doc = "signal to integrate"}};
   Number initial_value{this, "initial", {.init = 0, .doc = "value at the start; may read signals", .initial = true}};

@@ -16,6 +16,11 @@ struct TransferFunctionBlock final : Block {
       "The states are those of the observable canonical form, in the scale of the output. A vector is filtered element "
       "by "
       "element.";
+  static constexpr auto example = R"(
+blocks: {y: {type: transfer_function, in: 1, num: [1], den: [1, 2, 1]}}
+simulation: {stop: 2}
+expect: [{signal: y, at: 2, value: 1 - 3*exp(-2), abs: 1e-6}]
+)";
 
   Input u{this, "u", {.doc = "signal to filter"}};
   Table num{this, "num", {.init = "[1]", .doc = "numerator, descending powers of s", .zeros_matter = true}};

@@ -167,6 +167,13 @@ struct TransportDelay final : Block {
       "through the block needs `initial`, since u at the start then depends on y. The solver takes no step longer than "
       "the delay, and "
       "stops where a jump of the input comes out.";
+  static constexpr auto example = R"(
+blocks:
+  u: {type: sine}
+  late: {type: transport_delay, in: u, delay: 0.5}
+simulation: {stop: 1}
+expect: [{signal: late, at: 1, value: sin(0.5), abs: 1e-6}]
+)";
 
   Input u{this, "u", {.doc = "signal to delay"}};
   Table delay{this,

@@ -14,6 +14,13 @@ struct Pi final : Block {
       "anti_windup tracking: I' = ki e + (u - raw)/t_track;  clamp: the integral itself stays within the limits;  "
       "none: nothing is "
       "done.  The gains are ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
+  static constexpr auto example = R"(
+blocks:
+  c: {type: pi, in: 1 - plant, kp: 2, ki: 4, lower: 0, upper: 3}
+  plant: {type: first_order, in: c, tau: 0.5}
+simulation: {stop: 5}
+expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
+)";
 
   Input e{this, "e", {.doc = "control error, set point minus measured value"}};
   Input kp{this, "kp", {.doc = "proportional gain", .init = 1}};

@@ -16,6 +16,13 @@ struct Pid final : Block {
       "I' = ki e + (u - raw)/t_track;  clamp: the integral itself stays within the limits;  none: nothing is done.  "
       "The gains are "
       "ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
+  static constexpr auto example = R"(
+blocks:
+  c: {type: pid, in: 1 - plant, kp: 4, ki: 1, kd: 2}
+  plant: {type: transfer_function, in: c, num: [1], den: [1, 1, 0]}
+simulation: {stop: 20}
+expect: [{signal: plant, measure: final, value: 1, abs: 0.02}]
+)";
 
   Input e{this, "e", {.doc = "control error, set point minus measured value"}};
   Input kp{this, "kp", {.doc = "proportional gain", .init = 1}};

@@ -14,6 +14,13 @@ struct VelocityIntegrator final : Block {
       "so nothing "
       "winds up: the reason to compute the speed of a control signal instead of the signal (book section 6.1, figure "
       "6.5).";
+  static constexpr auto example = R"(
+blocks: {u: {type: velocity_integrator, in: 10, fastest: 2, upper: 1}}
+simulation: {stop: 1}
+expect:
+  - {signal: u, at: 0.25, value: 0.5, abs: 1e-9}
+  - {signal: u, measure: final, value: 1}
+)";
 
   Input v{this, "v", {.doc = "speed of the control signal"}};
   Number initial_value{

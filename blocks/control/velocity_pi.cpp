@@ -16,6 +16,13 @@ struct VelocityPi final : Block {
       "integral one; both are ports, so that they can follow an operating point without disturbing u.  With lower or "
       "upper u stands "
       "still at a limit while its rate points further out.";
+  static constexpr auto example = R"(
+blocks:
+  c: {type: velocity_pi, in: {e: 1 - plant, k0: 2, k1: 4}, p: 100}
+  plant: {type: first_order, in: c, tau: 0.5}
+simulation: {stop: 5}
+expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
+)";
 
   Input e{this, "e", {.doc = "control error, set point minus measured value"}};
   Input k0{this, "k0", {.doc = "proportional gain", .init = 1}};

@@ -12,6 +12,11 @@ struct DiscreteIntegrator final : Block {
       "With the period T and the state x:  forward (Euler): y = x, x+ = y + T u;  backward: y = x + T u, x+ = y;  "
       "trapezoidal: y = "
       "x + T u/2, x+ = y + T u/2.  With lower or upper both y and x stay within the limits.";
+  static constexpr auto example = R"(
+blocks: {y: {type: discrete_integrator, in: 2, rate: 0.1}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.5, value: 1, abs: 1e-12}]
+)";
 
   Input u{this, "u", {.doc = "signal to integrate"}};
   Choice method{this, "method", {.of = {"forward", "backward", "trapezoidal"}, .doc = "how a sample counts"}};

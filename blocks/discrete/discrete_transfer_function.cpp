@@ -15,6 +15,11 @@ struct DiscreteTransferFunction final : Block {
       "the output at "
       "the same instant. The states are those of the observable canonical form. A vector is filtered element by "
       "element.";
+  static constexpr auto example = R"(
+blocks: {y: {type: discrete_transfer_function, in: 1, num: [1], den: [1, -0.5], rate: 1}}
+simulation: {stop: 4}
+expect: [{signal: y, at: 3, value: 1.75}]
+)";
 
   Input u{this, "u", {.doc = "signal to filter"}};
   Table num{this, "num", {.init = "[1]", .doc = "numerator, descending powers of z", .zeros_matter = true}};

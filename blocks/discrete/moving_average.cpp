@@ -10,6 +10,11 @@ struct MovingAverage final : Block {
   static constexpr auto details =
       "y[k] = (u[k] + u[k-1] + ... + u[k-samples+1])/samples; samples before the start are `initial`, else the first "
       "input";
+  static constexpr auto example = R"(
+blocks: {y: {type: moving_average, in: time, samples: 3, rate: 1}}
+simulation: {stop: 6}
+expect: [{signal: y, at: 5, value: 4}]
+)";
 
   Input u{this, "u", {.doc = "signal to average", .size = scalar}};
   Count samples{this, "samples", {.init = 2, .doc = "how many samples", .min = 2}};

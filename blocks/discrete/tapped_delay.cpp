@@ -9,6 +9,11 @@ struct TappedDelay final : Block {
   static constexpr auto summary = "Give the last samples of the input.";
   static constexpr auto details =
       "y = [u[k-1], u[k-2], ..., u[k-taps]], newest first; samples before the start are `initial`";
+  static constexpr auto example = R"(
+blocks: {y: {type: tapped_delay, in: time, taps: 2, rate: 1}}
+simulation: {stop: 6}
+expect: [{signal: y.2, at: 5, value: 3}]
+)";
 
   Input u{this, "u", {.doc = "signal to delay", .size = scalar}};
   Count taps{this, "taps", {.init = 2, .doc = "how many samples", .min = 1}};

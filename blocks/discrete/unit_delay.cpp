@@ -8,6 +8,11 @@ namespace {
 struct UnitDelay final : Block {
   static constexpr auto summary = "Delay the input by one sample.";
   static constexpr auto details = "y[k] = u[k-1],  y[0] = initial";
+  static constexpr auto example = R"(
+blocks: {n: {type: unit_delay, in: n + 1, rate: 1}}
+simulation: {stop: 6}
+expect: [{signal: n, at: 5, value: 5}]
+)";
 
   Input u{this, "u", {.doc = "signal to delay"}};
   Number initial_value{this, "initial", {.init = 0, .doc = "first output; may read signals", .initial = true}};

@@ -8,6 +8,11 @@ namespace {
 struct Compare final : Block {
   static constexpr auto summary = "Compare two signals.";
   static constexpr auto details = "y = 1 where u and v compare so, else 0, element by element";
+  static constexpr auto example = R"(
+blocks: {y: {type: compare, in: {u: time, v: 0.5}, operator: greater}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.7, value: 1}]
+)";
 
   Input u{this, "u", {.doc = "left side"}};
   Input v{this, "v", {.doc = "right side", .init = 0}};

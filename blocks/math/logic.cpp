@@ -14,6 +14,13 @@ struct Logic final : Block {
       "y is 1 where the combination holds, else 0; a signal counts as true where it is greater than 0. xor holds when "
       "an odd "
       "number of signals is true. A single input that is a vector is combined over its elements.";
+  static constexpr auto example = R"(
+blocks: {y: {type: logic, in: [time > 0.25, time < 0.75], operator: and}}
+simulation: {stop: 1}
+expect:
+  - {signal: y, at: 0.5, value: 1}
+  - {signal: y, at: 0.8, value: 0}
+)";
 
   Inputs terms{this, "terms", {.doc = "the conditions; in: [a, b, ...]"}};
   Choice op{this, "operator", {.of = {"and", "or", "not", "xor", "nand", "nor"}, .doc = "how they are combined"}};

@@ -17,6 +17,11 @@ struct MathFunction final : Block {
       "..., v: ...}.  log is natural; exp10 is 10^u; square is u^2; reciprocal is 1/u; round goes away from zero at "
       "halves; "
       "mod has the sign of v, rem that of u.";
+  static constexpr auto example = R"(
+blocks: {y: {type: math_function, in: time, function: square}}
+simulation: {stop: 2}
+expect: [{signal: y, at: 1.5, value: 2.25}]
+)";
 
   Input u{this, "u", {.doc = "argument"}};
   Input v{this, "v", {.doc = "second argument of pow (the exponent), hypot, atan2, mod and rem", .init = 1}};

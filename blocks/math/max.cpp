@@ -12,6 +12,11 @@ struct Maximum final : Block {
   static constexpr auto summary = "Give the greatest of some signals.";
   static constexpr auto details =
       "y = max(u1, u2, ...), element by element. A single input that is a vector gives its greatest element.";
+  static constexpr auto example = R"(
+blocks: {y: {type: max, in: [time, 0.5]}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.25, value: 0.5}]
+)";
 
   Inputs terms{this, "terms", {.doc = "what to compare; in: [a, b, ...]"}};
   Output y{this, "y", {.doc = "the greatest one"}};

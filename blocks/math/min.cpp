@@ -12,6 +12,11 @@ struct Minimum final : Block {
   static constexpr auto summary = "Give the least of some signals.";
   static constexpr auto details =
       "y = min(u1, u2, ...), element by element. A single input that is a vector gives its least element.";
+  static constexpr auto example = R"(
+blocks: {y: {type: min, in: [time, 0.5]}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.75, value: 0.5}]
+)";
 
   Inputs terms{this, "terms", {.doc = "what to compare; in: [a, b, ...]"}};
   Output y{this, "y", {.doc = "the least one"}};

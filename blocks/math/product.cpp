@@ -11,6 +11,11 @@ struct Product final : Block {
       "y = u1 u2 ..., element by element. operations: \"*/\" divides by the second one. A single input that is a "
       "vector is "
       "multiplied over its elements.";
+  static constexpr auto example = R"(
+blocks: {y: {type: product, in: [time, 4, 2], operations: "**/"}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.5, value: 1}]
+)";
 
   Inputs factors{this, "factors", {.doc = "what to multiply; in: [a, b, ...]"}};
   Text operations{this, "operations", {.doc = "one * or / for each factor, \"*/\"; none: all are multiplied"}};

@@ -9,6 +9,11 @@ struct Sum final : Block {
   static constexpr auto summary = "Add signals, some with a minus sign.";
   static constexpr auto details =
       "y = + u1 - u2 ... with the signs in their order. A single input that is a vector is added up over its elements.";
+  static constexpr auto example = R"(
+blocks: {y: {type: sum, in: [time, 3], signs: "+-"}}
+simulation: {stop: 1}
+expect: [{signal: y, at: 0.5, value: -2.5}]
+)";
 
   Inputs terms{this, "terms", {.doc = "what to add; in: [a, b, ...]"}};
   Text signs{this, "signs", {.doc = "one + or - for each term, \"+-\"; none: all are added"}};

@@ -9,6 +9,13 @@ namespace {
 struct DeadZone final : Block {
   static constexpr auto summary = "Give nothing inside a zone, and what exceeds it outside.";
   static constexpr auto details = "y = u - lower below lower, u - upper above upper, 0 in between, element by element";
+  static constexpr auto example = R"(
+blocks:
+  u: {type: sine, amplitude: 2}
+  y: {type: dead_zone, in: u, lower: -0.5, upper: 0.5}
+simulation: {stop: 2}
+expect: [{signal: y, at: pi/2, value: 1.5, abs: 1e-9}]
+)";
 
   Input u{this, "u", {.doc = "input"}};
   Number lower{this, "lower", {.init = -0.5, .doc = "lower end of the zone"}};

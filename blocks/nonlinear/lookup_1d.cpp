@@ -40,6 +40,13 @@ struct Lookup1d final : Block {
       "values, "
       "linear goes on with the outermost lines, error ends the run. The kinks are events, so no accuracy is lost at "
       "them.";
+  static constexpr auto example = R"(
+blocks: {y: {type: lookup_1d, in: time, x: [0, 1, 3], y: [0, 2, 3]}}
+simulation: {stop: 4}
+expect:
+  - {signal: y, at: 2, value: 2.5, abs: 1e-12}
+  - {signal: y, at: 3.5, value: 3}
+)";
 
   Input u{this, "u", {.doc = "where to look"}};
   Table xs{this, "x", {.doc = "points, ascending", .ascending = true}};

@@ -14,6 +14,14 @@ struct Relay final : Block {
   static constexpr auto details =
       "The relay goes on when u reaches `on` from below and off when u falls to `off`; in between it stays as it is. "
       "y = on_value while it is on, else off_value. At the start it is on if u >= on, unless `initial` says.";
+  static constexpr auto example = R"(
+title: A thermostat
+blocks:
+  heater: {type: relay, in: 20 - T, on: 0.5, off: -0.5, on_value: 5}
+  T: {type: first_order, in: 10 + 4*heater, tau: 10, initial: 15}
+simulation: {stop: 60}
+expect: [{signal: T, measure: max, value: 20.5, abs: 1e-6}, {signal: T, measure: min, from: 10, value: 19.5, abs: 1e-6}]
+)";
 
   Input u{this, "u", {.doc = "what switches"}};
   Number on{this, "on", {.init = 1, .doc = "it goes on here"}};

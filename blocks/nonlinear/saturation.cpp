@@ -9,6 +9,13 @@ namespace {
 struct Saturation final : Block {
   static constexpr auto summary = "Keep the input between two limits.";
   static constexpr auto details = "y = min(max(u, lower), upper), element by element";
+  static constexpr auto example = R"(
+blocks:
+  u: {type: sine, amplitude: 2}
+  y: {type: saturation, in: u, lower: -1, upper: 1}
+simulation: {stop: 2}
+expect: [{signal: y, at: pi/2, value: 1}]
+)";
 
   Input u{this, "u", {.doc = "signal to limit"}};
   Number lower{this, "lower", {.init = -unbounded, .doc = "least value of the output"}};

@@ -13,6 +13,13 @@ struct Select final : Block {
   static constexpr auto details =
       "y = [u.i1, u.i2, ...] for the numbers in `elements`, which count from 1 and may repeat; a single number gives a "
       "scalar";
+  static constexpr auto example = R"(
+blocks: {y: {type: select, in: [time, 20, 30], elements: [3, 1]}}
+simulation: {stop: 1}
+expect:
+  - {signal: y.1, at: 0.5, value: 30}
+  - {signal: y.2, at: 0.5, value: 0.5}
+)";
 
   Input u{this, "u", {.doc = "vector to take from", .size = any_size}};
   Table elements{this, "elements", {.doc = "which elements, from 1", .structural = true, .min = 1}};

@@ -10,6 +10,13 @@ struct Switch final : Block {
   static constexpr auto details =
       "y = then where condition > threshold, else the other one, element by element. The one that is not chosen is not "
       "looked at.";
+  static constexpr auto example = R"(
+blocks: {y: {type: switch, in: {condition: time - 0.5, then: 1, else: 2}}}
+simulation: {stop: 1}
+expect:
+  - {signal: y, at: 0.4, value: 2}
+  - {signal: y, at: 0.7, value: 1}
+)";
 
   Input condition{this, "condition", {.doc = "what decides"}};
   Input chosen{this, "then", {.doc = "signal while the condition holds"}};

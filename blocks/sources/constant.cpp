@@ -8,6 +8,11 @@ namespace {
 struct Constant final : Block {
   static constexpr auto summary = "Give a number, vector or matrix.";
   static constexpr auto details = "y = value";
+  static constexpr auto example = R"(
+blocks: {c: {type: constant, value: [2.5, 4]}}
+simulation: {stop: 1}
+expect: [{signal: c.1, at: 0.5, value: 2.5}]
+)";
 
   Number value{this, "value", {.doc = "the number"}};
   Output y{this, "y", {.doc = "the number"}};

@@ -59,6 +59,11 @@ struct FromFile final : Block {
       "first row its values hold, after the last one those. The rows are stops of the solver, so their edges are "
       "exact. The file is "
       "read when the diagram is compiled.";
+  static constexpr auto example = R"(
+blocks: {v: {type: from_file, file: signals.csv, column: v}}
+simulation: {stop: 4}
+expect: [{signal: v, at: 1.2, value: 3}]
+)";
 
   Text file{this, "file", {.doc = "the file, beside the diagram or below", .file = true}};
   Text column{this, "column", {.doc = "name of the column, or several with commas in between", .optional = true}};

@@ -38,6 +38,11 @@ struct Prbs final : Block {
       "bias "
       "- amplitude. The first bit gets the exclusive or of some others, so that the sequence repeats after 2^bits - 1 "
       "levels (for 7 bits: of bits 7 and 6). The mean over a period is bias + amplitude/(2^bits - 1).";
+  static constexpr auto example = R"(
+blocks: {u: {type: prbs, bits: 3, amplitude: 2, rate: 1}}
+simulation: {stop: 20}
+expect: [{signal: u, at: 0, value: 2}, {signal: u, at: 7, value: 2}]
+)";
 
   Count bits{this, "bits", {.init = 7, .doc = "length of the register", .min = 2, .max = 20}};
   Count hold{this, "hold", {.init = 1, .doc = "samples that each level lasts", .min = 1}};

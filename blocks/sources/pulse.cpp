@@ -9,6 +9,13 @@ struct Pulse final : Block {
   static constexpr auto summary = "Give a train of rectangular pulses.";
   static constexpr auto details =
       "y = bias + amplitude while delay + k period <= time < delay + k period + width, k = 0, 1, ..., else bias";
+  static constexpr auto example = R"(
+blocks: {u: {type: pulse, amplitude: 2, period: 1, width: 0.25}}
+simulation: {stop: 3}
+expect:
+  - {signal: u, at: 1.1, value: 2}
+  - {signal: u, at: 1.5, value: 0}
+)";
 
   Number amplitude{this, "amplitude", {.init = 1, .doc = "height of the pulses"}};
   Number period{this,

@@ -8,6 +8,11 @@ namespace {
 struct Ramp final : Block {
   static constexpr auto summary = "Rise evenly from a given time on.";
   static constexpr auto details = "y = initial until time start, then initial + slope (time - start)";
+  static constexpr auto example = R"(
+blocks: {u: {type: ramp, start: 1, slope: 2}}
+simulation: {stop: 3}
+expect: [{signal: u, at: 2, value: 2}]
+)";
 
   Number start{this, "start", {.init = 0, .unit = "s", .doc = "when the ramp begins", .size = scalar}};
   Number slope{this, "slope", {.init = 1, .doc = "change per second"}};

@@ -8,6 +8,11 @@ namespace {
 struct Sine final : Block {
   static constexpr auto summary = "Give a sine wave.";
   static constexpr auto details = "y = bias + amplitude sin(frequency time + phase)";
+  static constexpr auto example = R"(
+blocks: {u: {type: sine, amplitude: 2, frequency: 2*pi}}
+simulation: {stop: 1}
+expect: [{signal: u, at: 0.25, value: 2, abs: 1e-12}]
+)";
 
   Number amplitude{this, "amplitude", {.init = 1, .doc = "greatest distance from the bias"}};
   Number frequency{this, "frequency", {.init = 1, .unit = "rad/s", .doc = "angular frequency; 2*pi*f for f in Hz"}};

@@ -10,6 +10,13 @@ struct Square final : Block {
   static constexpr auto details =
       "y = bias + amplitude while delay + k period <= time < delay + k period + width, k = 0, 1, ..., else bias - "
       "amplitude";
+  static constexpr auto example = R"(
+blocks: {u: {type: square, amplitude: 3, period: 1}}
+simulation: {stop: 2}
+expect:
+  - {signal: u, at: 0.25, value: 3}
+  - {signal: u, at: 0.75, value: -3}
+)";
 
   Number amplitude{this, "amplitude", {.init = 1, .doc = "distance of both values from the bias"}};
   Number period{this,

@@ -14,6 +14,11 @@ struct Staircase final : Block {
   static constexpr auto details =
       "y = values[i] for times[i] <= time < times[i+1]; before the first time it is the first value. With a matrix of "
       "values, y is its i-th row.";
+  static constexpr auto example = R"(
+blocks: {u: {type: staircase, times: [0, 1, 2], values: [0, 5, 3]}}
+simulation: {stop: 3}
+expect: [{signal: u, at: 1.5, value: 5}]
+)";
 
   Table times{this, "times", {.unit = "s", .doc = "when each value begins, ascending", .ascending = true}};
   Table values{this, "values", {.doc = "one value for each time, or one row of a matrix"}};

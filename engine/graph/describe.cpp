@@ -14,6 +14,8 @@
 namespace plantloop {
 namespace {
 
+constexpr std::string_view format_version = "plantloop: 1";
+
 struct Row {
   std::string name, standard, bounds, unit, doc;
 };
@@ -122,7 +124,7 @@ std::vector<Section> sections_of(const Block& block) {
 }
 
 // A use that could be pasted: what must be given, and no more.
-std::string example_of(const BlockType& type) {
+std::string shortest_use(const BlockType& type) {
   const Block& block = *type.block;
   std::string text = fmt::format("{{type: {}", type.name);
   std::vector<std::string_view> open;
@@ -182,11 +184,21 @@ std::string wrapped(std::string_view text, const char* indent) {
   return line.empty() ? out : out + indent + line + "\n";
 }
 
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
 // A block's page, or its part of a longer one.
 std::string block_section(const BlockType& type, std::string_view heading) {
   std::string text = fmt::format("{} {}\n\n{}\n\n", heading, type.name, type.summary);
   if (!type.details.empty()) text += fmt::format("```\n{}```\n\n", wrapped(type.details, ""));
-  text += fmt::format("Group: {}. Example: `name: {}`\n", type.group, example_of(type));
+  text += fmt::format("Group: {}. In short: `name: {}`\n", type.group, shortest_use(type));
   for (const Section& section : sections_of(*type.block)) {
     if (section.rows.empty()) continue;
     const bool parameters =
@@ -200,7 +212,7 @@ std::string block_section(const BlockType& type, std::string_view heading) {
       text += fmt::format(" {} | {} | {} |\n", cell(row.unit), cell(row.bounds), cell(row.doc));
     }
   }
-  return text;
+  return text + fmt::format("\n{}# example\n\n```yaml\n{}\n{}```\n", heading, format_version, type.example);
 }
 
 }  // namespace
@@ -225,7 +237,9 @@ std::string block_text(const BlockType& type) {
       text += line + "\n";
     }
   }
-  return text + fmt::format("\nexample\n  name: {}\n", example_of(type));
+  text += "\nexample\n";
+  for (const std::string_view line : lines_of(type.example)) text += fmt::format("  {}\n", line);
+  return text + fmt::format("\nin short\n  name: {}\n", shortest_use(type));
 }
 
 std::string block_markdown(const BlockType& type) { return block_section(type, "#"); }

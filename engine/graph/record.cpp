@@ -70,6 +70,7 @@ class RecordingInstance final : public StaticInstance {
   struct Event {
     Array function;
     Direction direction;
+    bool of_slope;
     std::vector<Assignment> assignments;
     std::uint32_t site;
   };
@@ -337,10 +338,8 @@ class GraphRecording {
       recorder_.site = block_site(block, "update");
       kind.update(now, Next());
     }
-    if (!kind.states.empty() || !kind.discretes.empty()) {
-      recorder_.site = block_site(block, "jumps");
-      kind.jumps(now, Jumps());
-    }
+    if (!kind.states.empty() || !kind.discretes.empty()) recorder_.site = block_site(block, "jumps");
+    kind.jumps(now, Jumps());
     instance_.finish();
   }
 
@@ -726,7 +725,7 @@ void RecordingInstance::write(Written what, int index, const Array& value) {
 }
 
 int RecordingInstance::event(const Crossing& crossing) {
-  events_.push_back({crossing.function, crossing.direction, {}, recording_.recorder().site});
+  events_.push_back({crossing.function, crossing.direction, crossing.of_slope, {}, recording_.recorder().site});
   return static_cast<int>(events_.size() - 1);
 }
 
@@ -748,6 +747,7 @@ void RecordingInstance::finish() {
       jump.site = event.site;
       jump.function = event.function[i];
       jump.direction = event.direction == Direction::rising ? 1 : event.direction == Direction::falling ? -1 : 0;
+      jump.of_slope = event.of_slope;
       jump.rate = recording_.rate_of(block_->rate);
       for (const Assignment& a : event.assignments) {
         const std::uint32_t first = state_index(a.discrete, a.index);

@@ -237,4 +237,17 @@ std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std:
   return result;
 }
 
+std::uint32_t slope(OperationGraph& graph, std::uint32_t operation, const std::vector<std::uint32_t>& derivatives) {
+  std::vector<std::uint32_t> opaque;
+  std::vector<Value> terms;
+  for (const Partial& p : differentiate(graph, {operation}, Op::time, opaque)) terms.push_back(p.value);
+  std::vector<Partial> partials = differentiate(graph, {operation}, Op::state, opaque);
+  const SinkInCharge charge(graph);
+  for (const Partial& p : partials) {
+    const std::uint32_t id = derivatives[p.column];
+    terms.push_back(p.value * (graph.operations[id].op == Op::constant ? Value(graph.constant(id)) : Value::node(id)));
+  }
+  return graph.id_of(sum(terms));
+}
+
 }  // namespace plantloop

@@ -23,4 +23,8 @@ struct Partial {
 std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std::uint32_t>& roots, Op op,
                                    std::vector<std::uint32_t>& opaque);
 
+// The derivative of an operation by time along the run, where `derivatives` are those of the states: d/dt + sum of
+// x_i' d/dx_i, modes frozen and held values constant. Kernels count as constant.
+std::uint32_t slope(OperationGraph& graph, std::uint32_t operation, const std::vector<std::uint32_t>& derivatives);
+
 }  // namespace plantloop

@@ -30,6 +30,7 @@ struct KernelCall {
   double* scratch = nullptr;   // scratch_size() doubles without meaning between calls
   History* history = nullptr;  // histories() of them; evaluate must not change them
   bool left = false;           // the values just before an event are wanted
+  bool* end = nullptr;         // advance may set it: the run ends here, as if this were its stop time
 };
 
 // Immutable and shared by threads; all that changes lives in the Frame. `evaluate` is pure and may be called in minor

@@ -73,7 +73,8 @@ struct RecordedJump {
   std::string name;  // "h.reset", "x.upper"
   std::uint32_t site = 0;
   Value function;
-  int direction = 0;  // 1 rising, -1 falling, 0 either
+  int direction = 0;      // 1 rising, -1 falling, 0 either
+  bool of_slope = false;  // it fires where the function's derivative by time crosses zero
   RateIndex rate = 0;
   struct Assignment {
     bool discrete;

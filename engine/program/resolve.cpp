@@ -6,6 +6,8 @@
 #include <cassert>
 #include <span>
 
+#include "engine/program/differentiate.h"
+
 namespace plantloop {
 
 namespace {
@@ -238,7 +240,8 @@ Resolved resolve(const Record& record, const std::vector<Value>& watches, const 
   for (const auto& state : record.states) resolved.derivatives.push_back(run.id(state.derivative));
   for (const auto& discrete : record.discretes) resolved.nexts.push_back(run.sampled(discrete.next, discrete.rate));
   for (const auto& jump : record.jumps) {
-    Resolved::Jump result{run.sampled(jump.function, jump.rate), {}};
+    const std::uint32_t function = run.sampled(jump.function, jump.rate);
+    Resolved::Jump result{jump.of_slope ? slope(graph, function, resolved.derivatives) : function, {}};
     for (const auto& assignment : jump.assignments) result.values.push_back(run.id(assignment.value));
     resolved.jumps.push_back(std::move(result));
   }

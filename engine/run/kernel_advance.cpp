@@ -52,6 +52,7 @@ KernelCall KernelAdvance::call_of(const Program::KernelState& kernel) {
 void KernelAdvance::advance(const Program::KernelState& kernel, bool left) {
   KernelCall call = call_of(kernel);
   call.left = left;
+  call.end = &run_.ended;
   kernel.kernel->advance(call);
 }
 

@@ -79,6 +79,19 @@ blocks:
   EXPECT_LT(r.greatest("difference.2"), tolerance);
 }
 
+TEST(LeadLag, AnswersAStepWithAJumpAndAnExponential) {
+  // k (1 + (lead/lag - 1) exp(-t/lag)), and at rest k where the lag has seen the input for long.
+  const Signals r = run(R"(
+blocks:
+  y: {type: lead_lag, in: 1, k: 2, lead: [3, 0.1], lag: 0.5}
+  rest: {type: lead_lag, in: 1, k: 2, lead: 3, lag: 0.5, initial: 1}
+  difference: y - 2*(1 + [5, -0.8]*exp(-2*time))
+)" + accurate);
+  EXPECT_LT(r.greatest("difference.1"), tolerance);
+  EXPECT_LT(r.greatest("difference.2"), tolerance);
+  for (const double v : r.column("rest")) EXPECT_NEAR(v, 2, 1e-12);
+}
+
 TEST(TransferFunction, OfSecondOrderAnswersAStep) {
   // (s + 3)/(s^2 + 2 s + 1): step response 3 - 3 exp(-t) - 2 t exp(-t).
   const Signals r = run(R"(

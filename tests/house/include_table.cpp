@@ -17,7 +17,9 @@ const std::vector<Layer>& layers() {
       {"engine/run",
        "run",
        {"engine/base", "engine/program", "engine/block", "engine/diagram", "engine/graph", "engine/solve"}},
-      {"blocks", "blocks", {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/program/kernel.h"}},
+      {"blocks",
+       "blocks",
+       {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_random.h", "engine/program/kernel.h"}},
       // Model files are YAML, and there is one reader of YAML.
       {"identify", "identify", {"engine/base", "engine/diagram/document.h"}},
       {"render", "render", {"engine/base"}},
