@@ -59,7 +59,7 @@ const std::vector<Door>& doors() {
       {"unistd.h", {"engine/base", "app", "tests", "scripts/host"}},
       {"fcntl.h", {"engine/base", "tests", "scripts/host"}},
       {"sys/", {"engine/base", "app", "tests", "scripts/host"}},
-      {"dlfcn.h", {"render/gl"}},
+      {"dlfcn.h", {"render/gl", "identify/dense"}},
       {"cxxabi.h", {"tests"}},
   };
   return table;

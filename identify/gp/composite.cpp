@@ -1,0 +1,172 @@
+// Sums and products of covariances, part by part.
+
+#include "identify/gp/composite.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace plantloop::identify {
+namespace {
+
+using Parts = std::vector<std::shared_ptr<const Covariance>>;
+
+class Composite : public Covariance {
+ public:
+  Composite(Parts parts, char sign) : parts_(std::move(parts)), sign_(sign) {}
+
+  std::string name() const override {
+    std::string text;
+    for (const auto& part : parts_) {
+      if (!text.empty()) text += sign_ == '+' ? " + " : "*";
+      const std::string name = part->name();
+      text += sign_ == '*' && name.find('+') != std::string::npos ? "(" + name + ")" : name;
+    }
+    return text;
+  }
+  std::vector<std::string> names(int inputs) const override {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      for (const std::string& name : parts_[i]->names(inputs)) names.push_back(fmt::format("{}.{}", i + 1, name));
+    }
+    return names;
+  }
+  Vector guess(const Matrix& x, double variance) const override {
+    const double share = sign_ == '+' ? variance / static_cast<double>(parts_.size())
+                                      : std::pow(variance, 1.0 / static_cast<double>(parts_.size()));
+    Vector all(count(static_cast<int>(x.cols())));
+    Eigen::Index at = 0;
+    for (const auto& part : parts_) {
+      const Vector own = part->guess(x, share);
+      all.segment(at, own.size()) = own;
+      at += own.size();
+    }
+    return all;
+  }
+
+ protected:
+  // Calls f(i, theta of part i).
+  template <typename F>
+  void each(const Vector& theta, int inputs, F f) const {
+    Eigen::Index at = 0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const int n = parts_[i]->count(inputs);
+      f(i, Vector(theta.segment(at, n)), at);
+      at += n;
+    }
+  }
+  Parts parts_;
+
+ private:
+  char sign_;
+};
+
+class Sum final : public Composite {
+ public:
+  explicit Sum(Parts parts) : Composite(std::move(parts), '+') {}
+
+  Matrix between(const Vector& theta, const Matrix& x, const Matrix& z) const override {
+    Matrix total = Matrix::Zero(x.rows(), z.rows());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, auto) { total += parts_[i]->between(own, x, z); });
+    return total;
+  }
+  Matrix lower(const Vector& theta, const Matrix& x) const override {
+    Matrix total = Matrix::Zero(x.rows(), x.rows());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, auto) { total += parts_[i]->lower(own, x); });
+    return total;
+  }
+  Vector at(const Vector& theta, const Matrix& x) const override {
+    Vector total = Vector::Zero(x.rows());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, auto) { total += parts_[i]->at(own, x); });
+    return total;
+  }
+  Vector gradient(const Vector& theta, const Matrix& x, const Matrix&, const Matrix& weight) const override {
+    Vector all(theta.size());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, Eigen::Index first) {
+      all.segment(first, own.size()) = parts_[i]->gradient(own, x, parts_[i]->lower(own, x), weight);
+    });
+    return all;
+  }
+  Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
+    Matrix total = Matrix::Zero(z.rows(), z.cols());
+    each(theta, inputs(z),
+         [&](std::size_t i, const Vector& own, auto) { total += parts_[i]->input_gradient(own, x, z); });
+    return total;
+  }
+  Matrix slope_covariance(const Vector& theta, const Vector& x) const override {
+    Matrix total = Matrix::Zero(x.size(), x.size());
+    bool known = true;
+    each(theta, static_cast<int>(x.size()), [&](std::size_t i, const Vector& own, auto) {
+      const Matrix part = parts_[i]->slope_covariance(own, x);
+      if (part.size() == 0) known = false;
+      if (known) total += part;
+    });
+    return known ? total : Matrix();
+  }
+
+ private:
+  static int inputs(const Matrix& x) { return static_cast<int>(x.cols()); }
+};
+
+class Product final : public Composite {
+ public:
+  explicit Product(Parts parts) : Composite(std::move(parts), '*') {}
+
+  Matrix between(const Vector& theta, const Matrix& x, const Matrix& z) const override {
+    Matrix product = Matrix::Ones(x.rows(), z.rows());
+    each(theta, inputs(x),
+         [&](std::size_t i, const Vector& own, auto) { product.array() *= parts_[i]->between(own, x, z).array(); });
+    return product;
+  }
+  Matrix lower(const Vector& theta, const Matrix& x) const override {
+    Matrix product = Matrix::Ones(x.rows(), x.rows()).triangularView<Eigen::Lower>();
+    each(theta, inputs(x),
+         [&](std::size_t i, const Vector& own, auto) { product.array() *= parts_[i]->lower(own, x).array(); });
+    return product;
+  }
+  Vector at(const Vector& theta, const Matrix& x) const override {
+    Vector product = Vector::Ones(x.rows());
+    each(theta, inputs(x),
+         [&](std::size_t i, const Vector& own, auto) { product.array() *= parts_[i]->at(own, x).array(); });
+    return product;
+  }
+  // The product of the other factors goes into the weight of each one.
+  Vector gradient(const Vector& theta, const Matrix& x, const Matrix&, const Matrix& weight) const override {
+    std::vector<Matrix> values;
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, auto) { values.push_back(parts_[i]->lower(own, x)); });
+    Vector all(theta.size());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, Eigen::Index first) {
+      Matrix rest = weight.triangularView<Eigen::Lower>();
+      for (std::size_t j = 0; j < values.size(); ++j) {
+        if (j != i) rest.array() *= values[j].array();
+      }
+      all.segment(first, own.size()) = parts_[i]->gradient(own, x, values[i], rest);
+    });
+    return all;
+  }
+  Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
+    std::vector<Vector> values;
+    each(theta, inputs(z), [&](std::size_t i, const Vector& own, auto) {
+      values.push_back(parts_[i]->between(own, z, x.transpose()).col(0));
+    });
+    Matrix total = Matrix::Zero(z.rows(), z.cols());
+    each(theta, inputs(z), [&](std::size_t i, const Vector& own, auto) {
+      Vector rest = Vector::Ones(z.rows());
+      for (std::size_t j = 0; j < values.size(); ++j) {
+        if (j != i) rest.array() *= values[j].array();
+      }
+      total += rest.asDiagonal() * parts_[i]->input_gradient(own, x, z);
+    });
+    return total;
+  }
+
+ private:
+  static int inputs(const Matrix& x) { return static_cast<int>(x.cols()); }
+};
+
+}  // namespace
+
+std::shared_ptr<const Covariance> make_sum(Parts parts) { return std::make_shared<Sum>(std::move(parts)); }
+std::shared_ptr<const Covariance> make_product(Parts parts) { return std::make_shared<Product>(std::move(parts)); }
+
+}  // namespace plantloop::identify

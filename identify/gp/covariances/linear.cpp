@@ -1,0 +1,65 @@
+// Straight lines and planes.
+
+#include "identify/gp/stationary.h"
+
+namespace plantloop::identify {
+namespace {
+
+// k = b + sum_d a_d x_d x'_d: the prior variance of the offset and of each slope.
+class Linear final : public Covariance {
+ public:
+  std::string name() const override { return "linear"; }
+  std::vector<std::string> names(int inputs) const override {
+    std::vector<std::string> all = numbered("a", inputs);
+    all.emplace_back("b");
+    return all;
+  }
+  Vector guess(const Matrix& x, double variance) const override {
+    Vector theta(x.cols() + 1);
+    theta.head(x.cols()) = variance / static_cast<double>(x.cols() + 1) * column_variances(x).cwiseInverse();
+    theta[x.cols()] = variance / static_cast<double>(x.cols() + 1);
+    return theta;
+  }
+  Matrix between(const Vector& theta, const Matrix& x, const Matrix& z) const override {
+    const Eigen::Index d = x.cols();
+    return ((x * theta.head(d).asDiagonal() * z.transpose()).array() + theta[d]).matrix();
+  }
+  Matrix lower(const Vector& theta, const Matrix& x) const override {
+    return between(theta, x, x).triangularView<Eigen::Lower>();
+  }
+  Vector at(const Vector& theta, const Matrix& x) const override {
+    return ((x.array().square().matrix() * theta.head(x.cols())).array() + theta[x.cols()]).matrix();
+  }
+  Vector gradient(const Vector& theta, const Matrix& x, const Matrix&, const Matrix& weight) const override {
+    const Eigen::Index d = x.cols();
+    const auto w = weight.selfadjointView<Eigen::Lower>();
+    const Matrix wx = w * x;
+    Vector sums(d + 1);
+    for (Eigen::Index c = 0; c < d; ++c) sums[c] = theta[c] * x.col(c).dot(wx.col(c));
+    sums[d] = theta[d] * (w * Vector::Ones(x.rows())).sum();
+    return sums;
+  }
+  Matrix input_gradient(const Vector& theta, const Vector&, const Matrix& z) const override {
+    return z * theta.head(z.cols()).asDiagonal();
+  }
+  Matrix slope_covariance(const Vector& theta, const Vector& x) const override {
+    return theta.head(x.size()).asDiagonal();
+  }
+  // k_i is affine in x, so its moments are those of x.
+  bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
+               KernelMoments& result) const override {
+    const Eigen::Index d = z.cols();
+    const Matrix slopes = input_gradient(theta, mu, z);
+    result.q = ((slopes * mu).array() + theta[d]).matrix();
+    result.c = slopes * s;
+    result.Q = result.q * result.q.transpose() + result.c * slopes.transpose();
+    result.k = theta[d] + theta.head(d).dot(Vector(mu.array().square().matrix() + s.diagonal()));
+    return true;
+  }
+};
+
+}  // namespace
+
+PLANTLOOP_COVARIANCE(linear, Linear)
+
+}  // namespace plantloop::identify

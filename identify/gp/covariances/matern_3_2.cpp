@@ -1,0 +1,30 @@
+// Matern's form of order 3/2: functions with one derivative.
+
+#include <cmath>
+
+#include "identify/gp/stationary.h"
+
+namespace plantloop::identify {
+namespace {
+
+// k = v1 (1 + a) exp(-a), a = sqrt(3 s) (C. Rasmussen, C. Williams 2006, (4.17)).
+class Matern32 final : public Stationary {
+ public:
+  std::string name() const override { return "matern_3_2"; }
+
+ protected:
+  void shape(const Vector&, Eigen::Ref<Array> s) const override {
+    s = (3 * s).sqrt();
+    s = (1 + s) * (-s).exp();
+  }
+  void slope(const Vector&, const Eigen::Ref<const Array>& s, const Eigen::Ref<const Array>&,
+             Eigen::Ref<Array> result) const override {
+    result = -1.5 * (-(3 * s).sqrt()).exp();
+  }
+};
+
+}  // namespace
+
+PLANTLOOP_COVARIANCE(matern_3_2, Matern32)
+
+}  // namespace plantloop::identify

@@ -1,0 +1,210 @@
+// Maximum likelihood from several starts.
+
+#include "identify/gp/fit_gp.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "identify/error.h"
+#include "identify/fit/parallel.h"
+#include "identify/gp/stationary.h"
+#include "identify/random.h"
+
+namespace plantloop::identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double variance_of(const VectorXd& y) { return (y.array() - y.mean()).square().mean(); }
+
+// The logarithms of theta and, last, of v0.
+Hyperparameters from_logs(const VectorXd& logs) {
+  const Index p = logs.size() - 1;
+  return {logs.head(p).array().exp().matrix(), std::exp(logs[p])};
+}
+
+VectorXd first_guess(const Covariance& covariance, const MatrixXd& x, const VectorXd& y) {
+  const double v = variance_of(y), variance = v > 0 ? v : 1;
+  const VectorXd theta = covariance.guess(x, variance);
+  VectorXd logs(theta.size() + 1);
+  logs << theta.array().log().matrix(), std::log(0.01 * variance);
+  return logs;
+}
+
+VectorXd random_start(const VectorXd& guess, std::uint64_t seed, int number) {
+  VectorXd logs = guess;
+  if (number == 0) return logs;
+  Random random = random_of_start(seed, number);
+  const Index p = logs.size() - 1;
+  for (Index i = 0; i < p; ++i) logs[i] += random.uniform(-3, 2);
+  logs[p] += random.uniform(-5, 3);
+  return logs;
+}
+
+Minimum maximise(const Covariance& covariance, MeanFunction mean, const MatrixXd& x, const VectorXd& y,
+                 const VectorXd& guess, const VectorXd& start, const GpOptions& options, Watch& watch) {
+  const Objective objective = [&](const VectorXd& logs, VectorXd* gradient) {
+    watch.step();
+    const Likelihood found = log_likelihood(covariance, mean, from_logs(logs), x, y, gradient != nullptr);
+    if (gradient != nullptr) *gradient = -found.gradient;
+    return -found.value;
+  };
+  MinimiseOptions how;
+  how.method = options.method;
+  how.max_iterations = options.max_iterations;
+  how.lower = guess.array() - options.bound;
+  how.upper = guess.array() + options.bound;
+  return minimise(objective, start, how);
+}
+
+void warn_of_data(const MatrixXd& x, const VectorXd& y, std::vector<std::string>& warnings) {
+  if (variance_of(y) == 0) warnings.emplace_back("All targets are equal, so nothing can be learned from them.");
+  for (Index d = 0; d < x.cols(); ++d) {
+    if ((x.col(d).array() == x(0, d)).all())
+      warnings.push_back(fmt::format("Input {} is constant, so its weight is not determined.", d + 1));
+  }
+  std::vector<Index> order(static_cast<std::size_t>(x.rows()));
+  std::iota(order.begin(), order.end(), Index{0});
+  const auto less = [&](Index a, Index b) {
+    for (Index d = 0; d < x.cols(); ++d) {
+      if (x(a, d) != x(b, d)) return x(a, d) < x(b, d);
+    }
+    return false;
+  };
+  std::sort(order.begin(), order.end(), less);
+  int repeated = 0;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    if (!less(order[i - 1], order[i])) ++repeated;
+  }
+  if (repeated > 0)
+    warnings.push_back(
+        fmt::format("{} of {} points repeat an earlier one; they tell about the noise only, so it cannot become zero.",
+                    repeated, x.rows()));
+}
+
+void warn_of_result(const GaussianProcess& model, const VectorXd& guess, double bound,
+                    std::vector<std::string>& warnings) {
+  const Hyperparameters& found = model.hyperparameters();
+  const std::vector<std::string> names = model.covariance().names(model.inputs());
+  for (Index i = 0; i < found.theta.size(); ++i) {
+    const double away = std::log(found.theta[i]) - guess[i];
+    if (std::fabs(away) > bound - 1e-9)
+      warnings.push_back(fmt::format("Hyperparameter {} stands at its {} bound {:.3g}.",
+                                     names[static_cast<std::size_t>(i)], away < 0 ? "lower" : "upper", found.theta[i]));
+  }
+  const double variance = variance_of(model.y());
+  if (variance > 0 && found.v0 > 0.9 * variance)
+    warnings.push_back(fmt::format(
+        "The noise variance {:.3g} explains nearly the whole variance {:.3g} of the targets.", found.v0, variance));
+  if (model.jitter() > 0)
+    warnings.push_back(fmt::format(
+        "The covariances were singular to working precision; a jitter of {:.2g} was added to their diagonal.",
+        model.jitter()));
+  const double scale = model.covariance().at(found.theta, model.x()).mean();
+  if (found.v0 < 1e-9 * scale)
+    warnings.push_back(fmt::format(
+        "The noise variance {:.2g} is below 1e-9 of the function's; predicted variances are limited by rounding.",
+        found.v0));
+}
+
+// The different optima, best first.
+std::vector<GpOptimum> distinct(const std::vector<Minimum>& ends) {
+  std::vector<GpOptimum> optima;
+  std::vector<const Minimum*> order;
+  for (const Minimum& end : ends) {
+    if (std::isfinite(end.value)) order.push_back(&end);
+  }
+  std::stable_sort(order.begin(), order.end(), [](auto* a, auto* b) { return a->value < b->value; });
+  std::vector<VectorXd> kept;
+  for (const Minimum* end : order) {
+    const bool known = std::any_of(kept.begin(), kept.end(),
+                                   [&](const VectorXd& x) { return (x - end->x).cwiseAbs().maxCoeff() < 0.05; });
+    if (known) continue;
+    kept.push_back(end->x);
+    optima.push_back({from_logs(end->x), -end->value});
+  }
+  return optima;
+}
+
+}  // namespace
+
+GpFit fit_gp(const MatrixXd& x, const VectorXd& y, const GpOptions& options, const FitControl& control) {
+  check_data(x, y);
+  if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
+  const auto covariance = find_covariance(options.covariance);
+  const MeanFunction mean = find_mean_function(options.mean);
+  FitReport report;
+  report.method = fmt::format("maximum likelihood, {}",
+                              options.method == Descent::quasi_newton ? "quasi-Newton" : "conjugate gradients");
+  report.samples = y.size();
+  report.parameters = covariance->count(static_cast<int>(x.cols())) + 1;
+  report.seed = options.seed;
+  warn_of_data(x, y, report.warnings);
+
+  const VectorXd guess = first_guess(*covariance, x, y);
+  if (!guess.allFinite()) fail("the numbers of the data are too large or too small; normalise them first");
+  std::vector<Minimum> ends(static_cast<std::size_t>(options.starts));
+  Watch watch(control, static_cast<double>(options.starts) * options.max_iterations);
+  parallel_for(options.starts, options.threads, [&](int i) {
+    const VectorXd start = random_start(guess, options.seed, i);
+    Minimum& end = ends[static_cast<std::size_t>(i)];
+    end = maximise(*covariance, mean, x, y, guess, start, options, watch);
+    watch.skip(options.max_iterations - end.evaluations);
+  });
+
+  int best = -1;
+  for (int i = 0; i < options.starts; ++i) {
+    const Minimum& end = ends[static_cast<std::size_t>(i)];
+    report.tried.push_back(fmt::format("start {}: log likelihood {:.6g} after {} iterations; {}", i + 1, -end.value,
+                                       end.iterations, end.stop));
+    if (std::isfinite(end.value) && (best < 0 || end.value < ends[static_cast<std::size_t>(best)].value)) best = i;
+  }
+  if (best < 0)
+    fail("the likelihood is not defined at any of the starts: the covariances of the points are not positive definite");
+  const Minimum& end = ends[static_cast<std::size_t>(best)];
+  report.reached = -end.value;
+  report.iterations = end.iterations;
+  report.stopped = end.stop;
+  GaussianProcess model(covariance, mean, from_logs(end.x), x, y);
+  warn_of_result(model, guess, options.bound, report.warnings);
+  return {std::move(model), std::move(report), distinct(ends)};
+}
+
+LeaveOneOut cross_validate(const GaussianProcess& model, int folds, bool refit) {
+  const Index n = model.size();
+  if (folds < 2 || folds > n) fail("{} folds of {} rows; there must be from 2 to {} folds", folds, n, n);
+  LeaveOneOut result{VectorXd(n), VectorXd(n), 0};
+  std::vector<std::vector<Index>> members(static_cast<std::size_t>(folds));
+  for (Index i = 0; i < n; ++i) members[static_cast<std::size_t>(i * folds / n)].push_back(i);
+  for (const std::vector<Index>& held : members) {
+    std::vector<Index> rest;
+    for (Index i = 0; i < n; ++i) {
+      if (i < held.front() || i > held.back()) rest.push_back(i);
+    }
+    const MatrixXd x = model.x()(rest, Eigen::all);
+    const VectorXd y = model.y()(rest);
+    Hyperparameters at = model.hyperparameters();
+    if (refit) {
+      VectorXd logs(at.theta.size() + 1);
+      logs << at.theta.array().log().matrix(), std::log(at.v0);
+      Watch watch({}, 1);
+      const Minimum end = maximise(model.covariance(), model.mean_function(), x, y, logs, logs, {}, watch);
+      if (std::isfinite(end.value)) at = from_logs(end.x);
+    }
+    const GaussianProcess part(model.shared_covariance(), model.mean_function(), at, x, y);
+    const Prediction predicted = part.predict(model.x()(held, Eigen::all));
+    result.mean(held) = predicted.mean;
+    result.variance(held) = predicted.variance.array() + at.v0;
+  }
+  const Eigen::ArrayXd error = model.y() - result.mean;
+  result.log_probability =
+      -0.5 * (result.variance.array().log() + error.square() / result.variance.array() + 1.8378770664093453).sum();
+  return result;
+}
+
+}  // namespace plantloop::identify
