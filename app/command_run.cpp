@@ -122,6 +122,11 @@ bool check_paths(const RunOptions& o) {
       complain(fmt::format("--out {}: the name must end in .csv, .json or .npz", o.out));
       return false;
     }
+    // Said now: a long run must not end with a result that has no place.
+    if (const std::string why = why_not_writable(o.out); !why.empty()) {
+      complain(fmt::format("--out {}: it cannot be written: {}", o.out, why));
+      return false;
+    }
   }
   for (const std::string& format : split_formats(o.format)) {
     if (format == "png" || format == "svg") continue;

@@ -8,10 +8,13 @@
 #include <iostream>
 #include <map>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "app/commands.h"
 #include "app/version.h"
 #include "engine/base/error.h"
+#include "engine/base/report.h"
 
 namespace {
 
@@ -20,6 +23,19 @@ using namespace plantloop::app;
 void on_signal(int) {
   // The first one asks for an orderly end, the second one does not ask.
   if (interrupted.exchange(true)) std::_Exit(130);
+}
+
+// Complains when there is no command of that name.
+bool is_command(const std::string& word) {
+  std::vector<std::string> names;
+  for (const auto& [name, make] : commands()) {
+    if (name == word) return true;
+    names.emplace_back(name);
+  }
+  const std::string near = plantloop::nearest(word, names);
+  complain(fmt::format("there is no command '{}'{}; there are {}", word,
+                       near.empty() ? "" : fmt::format(", did you mean '{}'?", near), fmt::join(names, ", ")));
+  return false;
 }
 
 int run(int argc, char** argv) {
@@ -41,10 +57,19 @@ int run(int argc, char** argv) {
     std::cerr << parser.help();
     return input_wrong;
   }
+  if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return input_wrong;
   try {
     parser.parse(argc, argv);
   } catch (const CLI::Success& e) {
     return parser.exit(e);
+  } catch (const CLI::ConversionError& e) {
+    // CLI11 says "Could not convert: --stop = x".
+    const std::string text = e.what();
+    const std::size_t colon = text.find(": ");
+    std::string option = colon == std::string::npos ? text : text.substr(colon + 2);
+    if (const std::size_t equals = option.find(" = "); equals != std::string::npos) option.replace(equals, 3, " ");
+    complain(fmt::format("{}: a number is expected", option));
+    return input_wrong;
   } catch (const CLI::ParseError& e) {
     parser.exit(e, std::cout, std::cerr);
     return input_wrong;

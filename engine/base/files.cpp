@@ -94,7 +94,23 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const char* what) {
-  if (error_.empty()) error_ = fmt::format("cannot {} '{}': {}", what, path_, words(errno));
+  if (!error_.empty()) return;
+  std::error_code ignored;
+  const fs::path folder = fs::path(path_).parent_path();
+  if (errno == ENOENT && !folder.empty() && !fs::exists(folder, ignored)) {
+    error_ = fmt::format("there is no folder '{}'", folder.string());
+  } else {
+    error_ = fmt::format("cannot {} it: {}", what, words(errno));
+  }
+}
+
+std::string why_not_writable(const std::string& path) {
+  std::error_code ignored;
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::exists(folder, ignored)) return fmt::format("there is no folder '{}'", folder.string());
+  if (fs::is_directory(path, ignored)) return "it is a folder";
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0) return words(errno);
+  return {};
 }
 
 void AtomicFile::write(std::string_view bytes) {

@@ -39,7 +39,10 @@ class AtomicFile {
   int descriptor_ = -1;
 };
 
-// The same in one call; "" when the file is in place, else why not.
+// Why a file of that name could not be written, asked without writing; "" when it could.
+std::string why_not_writable(const std::string& path);
+
+// The same in one call; "" when the file is in place, else why not, in words that follow "cannot write 'x': ".
 std::string write_file(const std::string& path, std::string_view bytes);
 
 // The nearest folder upwards from the file that holds `.git` or `plantloop.yaml`, else the file's own folder. Absolute,

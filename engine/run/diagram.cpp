@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "engine/base/numbers.h"
+#include "engine/run/check_expect.h"
 #include "engine/run/expect.h"
 
 namespace plantloop {
@@ -169,6 +170,7 @@ std::shared_ptr<const Diagram::Compiled> Diagram::build(const Overrides& set, co
   if (!compiled->graph || report.error_count() > errors) return nullptr;
   compiled->options = Settings(*model_, *compiled->graph, report).read();
   compiled->recorded = plantloop::record(*compiled->graph);
+  check_expect(*compiled->graph, compiled->recorded.record, compiled->options, report);
   CompileOptions options;
   for (const ShownColumn& column : compiled->recorded.columns) options.watches.push_back(column.value);
   for (const auto& [expression, bound] : compiled->graph->numbers) {

@@ -58,6 +58,10 @@ class Judge {
     if (entry.measure == "at") {
       const double at = number(entry.at).value_or(NAN);
       compare(entry, run_.recording.sampled(column, at, entry.side == "left"), verdict);
+      if (!(at >= run_.options.start && at <= run_.options.stop)) {
+        verdict.measured =
+            fmt::format("not measured: the run went from {:g} s to {:g} s", run_.options.start, run_.options.stop);
+      }
       return;
     }
     MeasureOptions options;

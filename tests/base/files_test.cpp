@@ -69,7 +69,7 @@ TEST_F(Files, WritingKeepsPermissionsAndLinks) {
 }
 
 TEST_F(Files, WritingTellsWhyNot) {
-  EXPECT_EQ(write_file(path("none/a"), "x"), "cannot open '" + path("none/a") + "': there is no such file");
+  EXPECT_EQ(write_file(path("none/a"), "x"), "there is no folder '" + path("none") + "'");
 }
 
 TEST_F(Files, AProjectIsTheNearestFolderWithItsMark) {
