@@ -1,0 +1,96 @@
+// Nonlinear least squares with Marquardt's damping.
+
+#include "identify/linear/levenberg_marquardt.h"
+
+#include <Eigen/QR>
+#include <cmath>
+
+#include "identify/error.h"
+
+namespace plantloop::identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The step of min |J h + e|^2 + damping |diag(scale) h|^2 from the triangle R and Q'e of J's decomposition.
+VectorXd damped_step(const MatrixXd& R, const VectorXd& Qe, const VectorXd& scale, double damping) {
+  const Index p = R.cols();
+  MatrixXd A(2 * p, p);
+  A.topRows(p) = R;
+  A.bottomRows(p) = MatrixXd((std::sqrt(damping) * scale).asDiagonal());
+  VectorXd b = VectorXd::Zero(2 * p);
+  b.head(p) = -Qe;
+  return A.colPivHouseholderQr().solve(b);
+}
+
+}  // namespace
+
+MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& start, const MarquardtOptions& options,
+                                 const std::function<VectorXd(const VectorXd&)>& project, const FitControl& control) {
+  MarquardtResult best;
+  best.theta = start;
+  best.residuals = residuals(start, &best.jacobian);
+  best.sse = best.residuals.squaredNorm();
+  if (!std::isfinite(best.sse)) fail("the fit cannot begin: the prediction error at the start is not finite");
+  const Index p = start.size();
+  VectorXd scale = VectorXd::Constant(p, 1e-300);
+  double damping = 1e-3;
+  best.stopped = fmt::format("the limit of {} iterations", options.iterations);
+
+  while (best.iterations < options.iterations && p > 0) {
+    control.step(static_cast<double>(best.iterations) / options.iterations);
+    const VectorXd lengths = best.jacobian.colwise().norm();
+    const VectorXd gradient = best.jacobian.transpose() * best.residuals;
+    scale = scale.cwiseMax(lengths);
+    if ((gradient.cwiseAbs() - options.gradient * std::sqrt(best.sse) * lengths).maxCoeff() <= 0) {
+      best.stopped = "the gradient vanished";
+      best.converged = true;
+      break;
+    }
+    // Q'e and R, padded when there are fewer residuals than parameters.
+    MatrixXd R = MatrixXd::Zero(p, p);
+    VectorXd Qe = VectorXd::Zero(p);
+    const Eigen::HouseholderQR<MatrixXd> qr(best.jacobian);
+    const Index rank = std::min(p, best.jacobian.rows());
+    R.topRows(rank) = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>();
+    const VectorXd rotated = qr.householderQ().adjoint() * best.residuals;
+    Qe.head(rank) = rotated.head(rank);
+
+    bool moved = false;
+    bool small = false;
+    while (!moved && !small) {
+      const VectorXd step = damped_step(R, Qe, scale, damping);
+      VectorXd theta = best.theta + step;
+      if (project) theta = project(theta);
+      small = (theta - best.theta).cwiseAbs().maxCoeff() <= options.step * std::max(1.0, best.theta.norm()) ||
+              damping > 1e20;
+      const VectorXd e = residuals(theta, nullptr);
+      const double sse = e.squaredNorm();
+      if (sse < best.sse) {
+        const double predicted = Qe.squaredNorm() - (Qe + R * step).squaredNorm();
+        const double ratio = predicted > 0 ? (best.sse - sse) / predicted : 0;
+        best.theta = theta;
+        moved = true;
+        if (ratio > 0.75) damping = std::max(damping * 0.1, 1e-15);
+        if (ratio < 0.25) damping *= 4;
+      } else {
+        damping = std::max(damping, 1e-12) * 8;
+      }
+    }
+    if (moved) {
+      best.residuals = residuals(best.theta, &best.jacobian);
+      best.sse = best.residuals.squaredNorm();
+      ++best.iterations;
+    }
+    if (small) {
+      best.stopped = "the steps vanished";
+      best.converged = true;
+      break;
+    }
+  }
+  return best;
+}
+
+}  // namespace plantloop::identify

@@ -1,0 +1,40 @@
+// Nonlinear least squares: Gauss-Newton steps with Marquardt's damping, by QR decompositions.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+
+#include "identify/fit_report.h"
+
+namespace plantloop::identify {
+
+// Residuals at theta, and their derivative (residuals x parameters) when `jacobian` is given. A result that is not
+// finite means that theta is not allowed; the step is then shortened.
+using Residuals = std::function<Eigen::VectorXd(const Eigen::VectorXd& theta, Eigen::MatrixXd* jacobian)>;
+
+struct MarquardtOptions {
+  int iterations = 200;     // at most
+  double gradient = 1e-12;  // stop when |J_i'e| <= gradient |J_i| |e| for all columns i
+  double step = 1e-13;      // stop when no parameter moves by more than this part of the norm of theta (or of 1)
+};
+
+struct MarquardtResult {
+  Eigen::VectorXd theta;
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;  // at theta
+  double sse = 0;
+  int iterations = 0;  // accepted steps
+  std::string stopped;
+  bool converged = false;  // by gradient or step, not by the limit
+};
+
+// Minimises the sum of squared residuals from `start`, at which they must be finite. `project` moves a candidate into
+// the allowed region (as mirroring unstable roots does); it may be empty.
+MarquardtResult minimise_squares(const Residuals& residuals, const Eigen::VectorXd& start,
+                                 const MarquardtOptions& options = {},
+                                 const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& project = {},
+                                 const FitControl& control = {});
+
+}  // namespace plantloop::identify

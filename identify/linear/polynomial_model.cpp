@@ -1,0 +1,201 @@
+// Linear models with polynomials in the delay operator: parameters, predictions.
+
+#include "identify/linear/polynomial_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "identify/error.h"
+#include "identify/linear/filter.h"
+
+namespace plantloop::identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+VectorXd monic(int order) { return VectorXd::Unit(order + 1, 0); }
+
+// Input i of an experiment, about the operating point.
+VectorXd input(const PolynomialModel& m, const Experiment& e, std::size_t i) {
+  return e.u.col(static_cast<Index>(i)).array() - m.u0[static_cast<Index>(i)];
+}
+
+// sum_i q^-d B_i/F_i u_i from rest.
+VectorXd input_part(const PolynomialModel& m, const Experiment& e) {
+  VectorXd sum = VectorXd::Zero(e.samples());
+  for (std::size_t i = 0; i < m.B.size(); ++i) sum += filter(m.numerator(i), m.F[i], input(m, e, i));
+  return sum;
+}
+
+VectorXd innovations(const PolynomialModel& m, const Experiment& e, std::size_t output) {
+  const VectorXd y = e.y.col(static_cast<Index>(output)).array() - m.y0;
+  return filter(m.D, m.C, filter(m.A, monic(0), y) - input_part(m, e));
+}
+
+}  // namespace
+
+int Orders::parameters() const {
+  return na + nc + nd + std::accumulate(nb.begin(), nb.end(), 0) + std::accumulate(nf.begin(), nf.end(), 0);
+}
+
+int Orders::longest_lag() const {
+  int most = na;
+  for (std::size_t i = 0; i < nb.size(); ++i) most = std::max(most, nb[i] + delay[i]);
+  return most;
+}
+
+Orders PolynomialModel::orders() const {
+  Orders o{
+      static_cast<int>(A.size()) - 1, static_cast<int>(C.size()) - 1, static_cast<int>(D.size()) - 1, {}, {}, delay};
+  for (const VectorXd& b : B) o.nb.push_back(static_cast<int>(b.size()));
+  for (const VectorXd& f : F) o.nf.push_back(static_cast<int>(f.size()) - 1);
+  return o;
+}
+
+PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data, std::size_t output) {
+  PolynomialModel m;
+  m.inputs = data.inputs;
+  m.output = data.outputs.at(output);
+  m.Ts = data.Ts;
+  m.A = monic(orders.na);
+  m.C = monic(orders.nc);
+  m.D = monic(orders.nd);
+  for (const int nb : orders.nb) m.B.push_back(VectorXd::Zero(nb));
+  for (const int nf : orders.nf) m.F.push_back(monic(nf));
+  m.delay = orders.delay;
+  m.u0 = VectorXd::Zero(static_cast<Index>(data.inputs.size()));
+  m.covariance = Eigen::MatrixXd::Zero(orders.parameters(), orders.parameters());
+  return m;
+}
+
+VectorXd PolynomialModel::parameters() const {
+  VectorXd theta(orders().parameters());
+  Index at = 0;
+  const auto put = [&](const auto& part) {
+    theta.segment(at, part.size()) = part;
+    at += part.size();
+  };
+  put(A.tail(A.size() - 1));
+  for (const VectorXd& b : B) put(b);
+  put(C.tail(C.size() - 1));
+  put(D.tail(D.size() - 1));
+  for (const VectorXd& f : F) put(f.tail(f.size() - 1));
+  return theta;
+}
+
+void PolynomialModel::set_parameters(const VectorXd& theta) {
+  Index at = 0;
+  const auto take = [&](VectorXd& polynomial, Index skip) {
+    const Index size = polynomial.size() - skip;
+    polynomial.tail(size) = theta.segment(at, size);
+    at += size;
+  };
+  take(A, 1);
+  for (VectorXd& b : B) take(b, 0);
+  take(C, 1);
+  take(D, 1);
+  for (VectorXd& f : F) take(f, 1);
+}
+
+std::vector<std::string> PolynomialModel::parameter_names() const {
+  std::vector<std::string> names;
+  const auto put = [&](char letter, Index count, const std::string& ending) {
+    for (Index i = 1; i <= count; ++i) names.push_back(fmt::format("{}{}{}", letter, i, ending));
+  };
+  const auto ending = [&](std::size_t i) { return B.size() > 1 ? fmt::format(".{}", i + 1) : std::string(); };
+  put('a', A.size() - 1, "");
+  for (std::size_t i = 0; i < B.size(); ++i) put('b', B[i].size(), ending(i));
+  put('c', C.size() - 1, "");
+  put('d', D.size() - 1, "");
+  for (std::size_t i = 0; i < F.size(); ++i) put('f', F[i].size() - 1, ending(i));
+  return names;
+}
+
+VectorXd PolynomialModel::numerator(std::size_t i) const {
+  VectorXd full = VectorXd::Zero(B[i].size() + delay[i] + 1);
+  full.tail(B[i].size()) = B[i];
+  return full;
+}
+
+PolynomialModel::Common PolynomialModel::common() const {
+  Common c;
+  c.denominator = A;
+  for (std::size_t i = 0; i < B.size(); ++i) {
+    c.denominator = multiply(c.denominator, F[i]);
+    VectorXd numerator = this->numerator(i);
+    for (std::size_t j = 0; j < F.size(); ++j) {
+      if (j != i) numerator = multiply(numerator, F[j]);
+    }
+    c.numerators.push_back(std::move(numerator));
+  }
+  return c;
+}
+
+bool PolynomialModel::is_stable() const { return identify::is_stable(common().denominator); }
+
+double PolynomialModel::gain(std::size_t i) const { return B[i].sum() / (A.sum() * F[i].sum()); }
+
+std::size_t match(const PolynomialModel& model, const DataSet& data) {
+  check(data);
+  if (model.inputs.size() != data.inputs.size()) {
+    fail("the model has {} inputs and the data have {}", model.inputs.size(), data.inputs.size());
+  }
+  for (std::size_t i = 0; i < model.inputs.size(); ++i) {
+    if (model.inputs[i].name == data.inputs[i].name) continue;
+    fail("input {} of the model is '{}', of the data it is '{}'", i + 1, model.inputs[i].name, data.inputs[i].name);
+  }
+  if (std::fabs(model.Ts - data.Ts) > 1e-9 * model.Ts) {
+    fail("the model's sampling time is {} s, that of the data {} s; resample the data", model.Ts, data.Ts);
+  }
+  for (std::size_t i = 0; i < data.outputs.size(); ++i) {
+    if (data.outputs[i].name == model.output.name) return i;
+  }
+  fail("the data have no output '{}'", model.output.name);
+}
+
+Series simulate(const PolynomialModel& model, const DataSet& data, Start start) {
+  const std::size_t output = match(model, data);
+  const PolynomialModel::Common c = model.common();
+  Index first = c.denominator.size() - 1;
+  for (const VectorXd& n : c.numerators) first = std::max(first, n.size() - 1);
+  Series result;
+  for (const Experiment& e : data.experiments) {
+    VectorXd y = VectorXd::Zero(e.samples());
+    for (std::size_t i = 0; i < c.numerators.size(); ++i) y += filter(c.numerators[i], monic(0), input(model, e, i));
+    Index k = 0;
+    if (start == Start::measured) {
+      for (; k < std::min(first, e.samples()); ++k) y[k] = e.y(k, static_cast<Index>(output)) - model.y0;
+    }
+    for (; k < e.samples(); ++k) {
+      for (Index i = 1; i < std::min(c.denominator.size(), k + 1); ++i) y[k] -= c.denominator[i] * y[k - i];
+    }
+    result.push_back(y.array() + model.y0);
+  }
+  return result;
+}
+
+Series k_step(const PolynomialModel& model, const DataSet& data, int steps) {
+  const std::size_t output = match(model, data);
+  if (steps < 1) fail("a prediction looks at least one step ahead, not {}", steps);
+  // y(k | k-h) = y(k) - sum_{i<h} h_i v(k-i) with the impulse response h of the noise model C/(A D).
+  const VectorXd h = impulse_response(model.C, multiply(model.A, model.D), steps);
+  Series result;
+  for (const Experiment& e : data.experiments) {
+    const VectorXd v = innovations(model, e, output);
+    result.push_back(e.y.col(static_cast<Index>(output)) - filter(h, monic(0), v));
+  }
+  return result;
+}
+
+Series one_step(const PolynomialModel& model, const DataSet& data) { return k_step(model, data, 1); }
+
+Series residuals(const PolynomialModel& model, const DataSet& data) {
+  const std::size_t output = match(model, data);
+  Series result;
+  for (const Experiment& e : data.experiments) result.push_back(innovations(model, e, output));
+  return result;
+}
+
+}  // namespace plantloop::identify

@@ -1,0 +1,86 @@
+// Linear models of one output with polynomials in the delay operator:
+//
+//   A y(k) = sum_i q^-d_i (B_i/F_i) u_i(k) + (C/D) v(k),   v white noise
+//
+// A = 1 + a1 q^-1 + ..., C, D, F likewise; B = b1 q^-1 + b2 q^-2 + ..., so that with d = 0 the input acts one sample
+// later. A delay of -1 means that it acts at once. FIR: A = C = D = F = 1; ARX: C = D = F = 1; ARMAX: D = F = 1; OE: A
+// = C = D = 1; BJ (Box-Jenkins): A = 1.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/data/data_set.h"
+#include "identify/fit_report.h"
+
+namespace plantloop::identify {
+
+struct Orders {
+  int na = 0, nc = 0, nd = 0;
+  std::vector<int> nb, nf, delay;  // one for each input
+
+  int parameters() const;
+  int longest_lag() const;  // max(na, nb + d)
+};
+
+struct PolynomialModel {
+  std::string structure;  // "FIR", "ARX", "ARMAX", "OE", "BJ", "general"
+  std::vector<Channel> inputs;
+  Channel output;
+  double Ts = 1;                      // s
+  Eigen::VectorXd A, C, D;            // with their leading 1
+  std::vector<Eigen::VectorXd> B, F;  // for each input; B without its zero at delay 0: {b1, b2, ...}
+  std::vector<int> delay;
+  Eigen::VectorXd u0;  // operating point: the model is of u - u0 and y - y0
+  double y0 = 0;
+  double variance = 0;         // of v
+  Eigen::MatrixXd covariance;  // of parameters(), in their order
+  FitReport fit;
+
+  Orders orders() const;
+  // a1.. ana, b of each input, c, d, f of each input.
+  Eigen::VectorXd parameters() const;
+  void set_parameters(const Eigen::VectorXd& theta);
+  std::vector<std::string> parameter_names() const;  // "a1", "b1" or "b1.2" (input 2), ...
+  // q^-d B with its zeros: coefficients from delay 0 on.
+  Eigen::VectorXd numerator(std::size_t input) const;
+  // G_i = q^-d B_i/(A F_i) as numerators over one denominator for all inputs.
+  struct Common {
+    std::vector<Eigen::VectorXd> numerators;
+    Eigen::VectorXd denominator;
+  };
+  Common common() const;
+  bool is_stable() const;                // A F
+  double gain(std::size_t input) const;  // at rest
+};
+
+// A model with these orders and all parameters 0.
+PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data, std::size_t output);
+
+// Where a simulation starts.
+enum class Start {
+  zero,      // from rest at the operating point
+  measured,  // the first samples (as many as the longest lag) are the measured ones
+};
+
+// For each experiment one column vector in units of the output.
+using Series = std::vector<Eigen::VectorXd>;
+
+// Free run: the outputs are the model's own. Needs no missing inputs.
+Series simulate(const PolynomialModel& model, const DataSet& data, Start start = Start::measured);
+// y(k) predicted from outputs up to k-1 and inputs up to k.
+Series one_step(const PolynomialModel& model, const DataSet& data);
+// y(k) predicted from outputs up to k - steps and inputs up to k.
+Series k_step(const PolynomialModel& model, const DataSet& data, int steps);
+// y - one_step.
+Series residuals(const PolynomialModel& model, const DataSet& data);
+
+// The column of the data that is the model's output; raises IdentifyError when names or sampling time do not fit.
+std::size_t match(const PolynomialModel& model, const DataSet& data);
+
+Item to_item(const PolynomialModel& model);
+PolynomialModel polynomial_model_of(const Item& item);
+
+}  // namespace plantloop::identify
