@@ -11,6 +11,7 @@
 
 #include "app/command.h"
 #include "app/draw.h"
+#include "app/request.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/run/diagram.h"
@@ -34,21 +35,6 @@ struct RunOptions {
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::optional<double> given(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
-
-// "path=expression" texts as overrides; false after complaining.
-bool read_overrides(const std::vector<std::string>& texts, Overrides& overrides) {
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      complain(fmt::format("--set {}: it must be path=expression, as in --set controller.ki=20", text));
-      return false;
-    }
-    overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
-  }
-  return true;
-}
-
-std::string extension_of(const std::string& path) { return std::filesystem::path(path).extension().string(); }
 
 // A bar on a terminal once a run takes longer than a second; nothing in a pipe.
 class Progress {
@@ -104,15 +90,9 @@ std::string verdicts(const DiagramRun& run) {
   return text.empty() ? text : "expect:\n" + text;
 }
 
-bool write_result(const Recording& recording, const std::string& path) {
+std::string bytes_of(const Recording& recording, const std::string& path) {
   const std::string extension = extension_of(path);
-  std::string bytes = extension == ".json"  ? to_json(recording)
-                      : extension == ".npz" ? to_npz(recording)
-                                            : to_csv(recording);
-  const std::string error = write_file(path, bytes);
-  if (error.empty()) return true;
-  complain(fmt::format("cannot write '{}': {}", path, error));
-  return false;
+  return extension == ".json" ? to_json(recording) : extension == ".npz" ? to_npz(recording) : to_csv(recording);
 }
 
 bool check_paths(const RunOptions& o) {
@@ -178,7 +158,7 @@ int run_diagram(const RunOptions& o) {
   bool written = true;
   const bool on_terminal = is_terminal(STDOUT_FILENO);
   if (!o.out.empty() && o.out != "-") {
-    written = write_result(run->recording, o.out);
+    written = write_result(o.out, bytes_of(run->recording, o.out));
   } else if (o.out == "-" || (!on_terminal && o.figures.empty())) {
     written = write_out(to_csv(run->recording));
   }
@@ -211,10 +191,7 @@ PLANTLOOP_COMMAND(run) {
   parser.description(
       "Simulate a diagram. Without --out the result goes to standard output as CSV, on a terminal a summary is shown.");
   parser.add_option("DIAGRAM", o->file, "the diagram")->required();
-  parser
-      .add_option("--set", o->set, "give a parameter another value or expression: path=expression, any number of times")
-      ->allow_extra_args(false)
-      ->type_name("PATH=EXPRESSION");
+  add_set_option(parser, o->set);
   parser.add_option("--stop", o->stop, "stop time in s");
   parser.add_option("--solver", o->solver, "euler, heun, rk4, bogacki_shampine, dopri5, adams or bdf");
   parser.add_option("--step", o->step, "fixed step in s (euler, heun, rk4; also the other explicit ones)");

@@ -160,8 +160,8 @@ struct ExpectDecl {
   ExpressionPtr signal;  // null for an event
   std::string event;     // "h.reset"
   std::string measure;   // "at" or max, min, max_abs, rms, final, overshoot, settling_time, rise_time, count, baseline
-  ExpressionPtr at, value, lower, upper;  // `between`; `below` is upper, `above` is lower
-  ExpressionPtr abs, rel, from, until, band;
+  ExpressionPtr at, value, lower, upper;             // `between`; `below` is upper, `above` is lower
+  ExpressionPtr abs, rel, shift, from, until, band;  // shift: of time in s, for baselines
   ExpressionPtr step_at, step_until, step_from, step_to;
   std::string side = "right";
   std::string baseline;

@@ -46,7 +46,7 @@ class EntryReader {
         report_(report),
         section_(node, "an expectation", {"signal",   "event", "at",    "value",   "between", "side",  "max",  "min",
                                           "max_abs",  "rms",   "final", "measure", "below",   "above", "step", "band",
-                                          "baseline", "from",  "until", "abs",     "rel",     "count"},
+                                          "baseline", "from",  "until", "abs",     "rel",     "count", "shift"},
                  report) {}
 
   bool read(ExpectDecl& expect) {
@@ -60,6 +60,10 @@ class EntryReader {
     expect.until = section_.expression("until");
     expect.abs = section_.expression("abs");
     expect.rel = section_.expression("rel");
+    expect.shift = section_.expression("shift");
+    if (has("shift") && !has("baseline")) {
+      report_.error(section_.mark_of("shift"), "'shift' has meaning beside 'baseline' only").named("unknown-key");
+    }
     return report_.error_count() == before;
   }
 

@@ -284,7 +284,7 @@ class Showing {
     }
     for (const ExpectDecl& x : m.expect) {
       show(x.signal, with_columns(x.signal));
-      numbers({x.at, x.value, x.lower, x.upper, x.abs, x.rel, x.from, x.until, x.band, x.step_at, x.step_until,
+      numbers({x.at, x.value, x.lower, x.upper, x.abs, x.rel, x.shift, x.from, x.until, x.band, x.step_at, x.step_until,
                x.step_from, x.step_to});
     }
   }

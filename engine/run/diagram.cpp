@@ -27,17 +27,6 @@ const SolverInfo* find_solver(std::string_view name) {
 
 }  // namespace
 
-// One structure: everything up to the Program.
-struct Diagram::Compiled {
-  std::shared_ptr<const Graph> graph;
-  RecordedGraph recorded;
-  std::shared_ptr<const Program> program;
-  SimulationOptions options;
-  std::vector<std::pair<const Expression*, std::size_t>> numbers;  // which of Program::numbers
-  std::size_t first_bound = 0;                                     // in Program::numbers
-  double compile_time = 0;
-};
-
 std::shared_ptr<Diagram> Diagram::load(const std::string& path, Report& report) {
   const double start = seconds();
   auto diagram = std::shared_ptr<Diagram>(new Diagram);
@@ -160,11 +149,11 @@ void check_solver(const SimulationOptions& options, const Mark& mark, Report& re
 
 }  // namespace
 
-std::shared_ptr<const Diagram::Compiled> Diagram::build(const Overrides& set, const std::string& unroll_method,
-                                                        double unroll_step, Report& report) const {
+std::shared_ptr<const CompiledDiagram> Diagram::build(const Overrides& set, const std::string& unroll_method,
+                                                      double unroll_step, Report& report) const {
   const double start = seconds();
   const std::size_t errors = report.error_count();
-  auto compiled = std::make_shared<Compiled>();
+  auto compiled = std::make_shared<CompiledDiagram>();
   if (model_->is_library) return nullptr;
   compiled->graph = elaborate(model_, set, report);
   if (!compiled->graph || report.error_count() > errors) return nullptr;
@@ -211,8 +200,8 @@ std::string structure_of(const Overrides& set, const std::vector<bool>& by_value
 
 }  // namespace
 
-std::shared_ptr<const Diagram::Compiled> Diagram::compiled(const Overrides& set, const std::string& unroll_method,
-                                                           double unroll_step, Report& report) {
+std::shared_ptr<const CompiledDiagram> Diagram::compiled(const Overrides& set, const std::string& unroll_method,
+                                                         double unroll_step, Report& report) {
   const std::string method = fmt::format("{} {:a}\n", unroll_method, unroll_step);
   std::vector<bool> by_value(set.size());
   for (std::size_t i = 0; i < set.size(); ++i) by_value[i] = plain_number(set[i].text).has_value();
@@ -225,7 +214,7 @@ std::shared_ptr<const Diagram::Compiled> Diagram::compiled(const Overrides& set,
       if (built) cache_.emplace(key, built);
       return built;
     }
-    const Compiled& candidate = *known->second;
+    const CompiledDiagram& candidate = *known->second;
     bool fits = true;
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (!by_value[i]) continue;
@@ -257,23 +246,10 @@ void Diagram::check(const Overrides& set, Report& report) {
   }
 }
 
-std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report, const RunControl& control,
-                                       DiagramRun* partial) {
-  const double start = seconds();
-  if (model_->is_library) {
-    report.error({}, "{} is a library: it has types, but no blocks to run", model_->path);
-    return std::nullopt;
-  }
-  const std::size_t errors = report.error_count();
-  const std::string unroll_method = request.solver.value_or("");
-  const double unroll_step = request.step.value_or(0);
-  const std::string method = unroll_step > 0 && unroll_method.empty() ? model_->simulation.solver : unroll_method;
-  const auto built = compiled(request.set, method, unroll_step, report);
-  if (!built || report.error_count() > errors) return std::nullopt;
+namespace {
 
-  DiagramRun run;
-  run.options = built->options;
-  SimulationOptions& options = run.options;
+// The settings of the file with those of the request instead.
+SimulationOptions settings_of(const RunRequest& request, SimulationOptions options) {
   if (request.solver) options.solver = *request.solver;
   if (request.start) options.start = *request.start;
   if (request.stop) options.stop = *request.stop;
@@ -287,26 +263,23 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
   if (request.max_step) options.max_step = *request.max_step;
   if (request.max_memory) options.max_memory = *request.max_memory;
   if (request.output_interval) options.output_interval = *request.output_interval;
-  check_solver(options, request.solver ? Mark{} : model_->simulation.solver_mark, report);
-  if (!(options.stop > options.start))
-    report.error({}, "the run stops at {} s, which is not after its start at {} s", options.stop, options.start);
-  if (!(options.rtol > 0) || !(options.atol > 0))
-    report.error({}, "rtol and atol must be greater than 0, they are {} and {}", options.rtol, options.atol);
-  if (report.error_count() > errors) return std::nullopt;
+  return options;
+}
 
-  Frame frame(built->program);
-  for (const Override& o : request.set) {
+// Gives tunable numbers their values and checks all bounds.
+void set_parameters(const CompiledDiagram& built, const Overrides& set, Frame& frame, Report& report) {
+  for (const Override& o : set) {
     const auto value = plain_number(o.text);
     if (!value) continue;
-    const auto& parameters = built->recorded.record.parameters;
+    const auto& parameters = built.recorded.record.parameters;
     for (std::size_t p = 0; p < parameters.size(); ++p) {
       if (parameters[p].name == o.path) frame.set_parameter(p, *value);
     }
   }
-  execute(built->program->parameter_list, frame.arena);
-  for (std::size_t b = 0; b < built->recorded.bounds.size(); ++b) {
-    const RecordedBound& bound = built->recorded.bounds[b];
-    const double value = frame.arena[built->program->numbers[built->first_bound + b]];
+  execute(built.program->parameter_list, frame.arena);
+  for (std::size_t b = 0; b < built.recorded.bounds.size(); ++b) {
+    const RecordedBound& bound = built.recorded.bounds[b];
+    const double value = frame.arena[built.program->numbers[built.first_bound + b]];
     if (!(value >= bound.min))
       report.error(bound.mark, "'{}' is {}: it must be at least {}", bound.name, value, bound.min);
     else if (!(value <= bound.max))
@@ -314,17 +287,67 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
     else if (!(value > bound.above) && bound.above != -unbounded)
       report.error(bound.mark, "'{}' is {}: it must be greater than {}", bound.name, value, bound.above);
   }
+}
+
+std::map<const Expression*, double> numbers_of(const CompiledDiagram& built, const Frame& frame) {
+  std::map<const Expression*, double> numbers;
+  for (const auto& [expression, index] : built.numbers)
+    numbers[expression] = frame.arena[built.program->numbers[index]];
+  return numbers;
+}
+
+}  // namespace
+
+std::optional<PreparedRun> Diagram::prepare(const RunRequest& request, Report& report) {
+  if (model_->is_library) {
+    report.error({}, "{} is a library: it has types, but no blocks to run", model_->path);
+    return std::nullopt;
+  }
+  const std::size_t errors = report.error_count();
+  const std::string unroll_method = request.solver.value_or("");
+  const double unroll_step = request.step.value_or(0);
+  const std::string method = unroll_step > 0 && unroll_method.empty() ? model_->simulation.solver : unroll_method;
+  PreparedRun prepared;
+  prepared.compiled = compiled(request.set, method, unroll_step, report);
+  if (!prepared.compiled || report.error_count() > errors) return std::nullopt;
+  prepared.options = settings_of(request, prepared.compiled->options);
+  const SimulationOptions& options = prepared.options;
+  check_solver(options, request.solver ? Mark{} : model_->simulation.solver_mark, report);
+  if (!(options.stop > options.start))
+    report.error({}, "the run stops at {} s, which is not after its start at {} s", options.stop, options.start);
+  if (!(options.rtol > 0) || !(options.atol > 0))
+    report.error({}, "rtol and atol must be greater than 0, they are {} and {}", options.rtol, options.atol);
   if (report.error_count() > errors) return std::nullopt;
-  for (const auto& [expression, index] : built->numbers)
-    run.numbers[expression] = frame.arena[built->program->numbers[index]];
-  run.shown = built->recorded.shown;
+  prepared.frame = std::make_unique<Frame>(prepared.compiled->program);
+  set_parameters(*prepared.compiled, request.set, *prepared.frame, report);
+  if (report.error_count() > errors) return std::nullopt;
+  for (const ShownColumn& column : prepared.compiled->recorded.columns)
+    prepared.columns.push_back({column.name, column.unit, column.rate, !column.written});
+  return prepared;
+}
+
+std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report, const RunControl& control,
+                                       DiagramRun* partial) {
+  const double start = seconds();
+  std::optional<PreparedRun> prepared = prepare(request, report);
+  if (!prepared) return std::nullopt;
+  const CompiledDiagram& built = *prepared->compiled;
+  Frame& frame = *prepared->frame;
+  DiagramRun run;
+  run.options = prepared->options;
+  SimulationOptions& options = run.options;
+  run.numbers = numbers_of(built, frame);
+  run.shown = built.recorded.shown;
 
   for (const ExpectDecl& entry : model_->expect) {
     if (entry.at && run.numbers.contains(entry.at.get())) options.sample_times.push_back(run.numbers[entry.at.get()]);
   }
-  std::vector<RecordedColumn> columns;
-  for (const ShownColumn& column : built->recorded.columns)
-    columns.push_back({column.name, column.unit, column.rate, !column.written});
+  const Baselines baselines = read_baselines(*model_);
+  for (const auto& [entry, baseline] : baselines) {
+    if (!baseline.error.empty()) continue;
+    const auto& times = baseline.table.columns[baseline.time_column];
+    options.sample_times.insert(options.sample_times.end(), times.begin(), times.end());
+  }
   run.recording.provenance["diagram"] = model_->path;
   if (!model_->title.empty()) run.recording.provenance["title"] = model_->title;
   run.recording.provenance["solver"] = options.solver;
@@ -332,14 +355,37 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
   const double simulating = seconds();
   run.timing.compile = simulating - start;
   try {
-    run.statistics = simulate(frame, options, columns, run.recording, control);
+    run.statistics = simulate(frame, options, prepared->columns, run.recording, control);
   } catch (...) {
     run.timing.simulate = seconds() - simulating;
     if (partial != nullptr) *partial = std::move(run);
     throw;
   }
   run.timing.simulate = seconds() - simulating;
-  run.verdicts = judge(*model_, run);
+  run.verdicts = judge(*model_, run, baselines);
+  return run;
+}
+
+std::optional<DiagramRun> Diagram::replay(Recording recording, const Overrides& set, Report& report) {
+  std::optional<PreparedRun> prepared = prepare({.set = set}, report);
+  if (!prepared) return std::nullopt;
+  const CompiledDiagram& built = *prepared->compiled;
+  DiagramRun run;
+  run.options = prepared->options;
+  run.numbers = numbers_of(built, *prepared->frame);
+  run.recording = std::move(recording);
+  if (run.recording.rows() > 0) run.options.stop = run.recording.time().back();
+  for (const auto& [expression, range] : built.recorded.shown) {
+    // The columns of one expression stand side by side in both.
+    const int first = range.count > 0 ? run.recording.find(built.recorded.columns[range.first].name) : -1;
+    bool found = first >= 0 && static_cast<std::size_t>(first) + range.count <= run.recording.columns.size();
+    for (std::uint32_t i = 0; found && i < range.count; ++i) {
+      found = run.recording.columns[static_cast<std::size_t>(first) + i].name ==
+              built.recorded.columns[range.first + i].name;
+    }
+    if (found) run.shown[expression] = {static_cast<std::uint32_t>(first), range.count};
+  }
+  run.verdicts = judge(*model_, run, read_baselines(*model_));
   return run;
 }
 

@@ -31,8 +31,10 @@ struct RunRequest {
 struct Verdict {
   std::string text;  // the entry as written
   bool met = false;
-  std::string measured;  // "0.864921 (wanted 0.864941 within 0.001)"
+  std::string measured;  // "0.864921, wanted 0.864941 within 0.001"
   Mark mark;
+  const ExpectDecl* entry = nullptr;                  // of the diagram's model
+  std::size_t column = static_cast<std::size_t>(-1);  // of the recording that decided; none for events
 };
 
 struct RunTiming {
@@ -51,6 +53,25 @@ struct DiagramRun {
   std::unordered_map<const Expression*, RecordedGraph::Range> shown;
 };
 
+// One structure of a diagram: everything up to the Program. Immutable, shared by runs and threads.
+struct CompiledDiagram {
+  std::shared_ptr<const Graph> graph;
+  RecordedGraph recorded;
+  std::shared_ptr<const Program> program;
+  SimulationOptions options;                                       // of `simulation:`
+  std::vector<std::pair<const Expression*, std::size_t>> numbers;  // which of Program::numbers
+  std::size_t first_bound = 0;                                     // in Program::numbers
+  double compile_time = 0;                                         // s
+};
+
+// What one run needs.
+struct PreparedRun {
+  std::shared_ptr<const CompiledDiagram> compiled;
+  SimulationOptions options;
+  std::unique_ptr<Frame> frame;  // with the parameters set
+  std::vector<RecordedColumn> columns;
+};
+
 class Diagram {
  public:
   // Reads the file and what it imports; null when it cannot be read as a diagram at all (the report says why).
@@ -58,6 +79,7 @@ class Diagram {
   static std::shared_ptr<Diagram> from_text(const std::string& text, const std::string& path, Report& report);
 
   const Model& model() const { return *model_; }
+  const std::shared_ptr<const Model>& model_pointer() const { return model_; }
   double read_time() const { return read_time_; }  // s
   // Everything but running.
   void check(const Overrides& set, Report& report);
@@ -66,18 +88,22 @@ class Diagram {
   // from the run, and then `partial` (when given) has what was recorded until then.
   std::optional<DiagramRun> run(const RunRequest& request, Report& report, const RunControl& control = {},
                                 DiagramRun* partial = nullptr);
+  // A run up to its start; null when the diagram or the request is wrong (see the report).
+  std::optional<PreparedRun> prepare(const RunRequest& request, Report& report);
+  // The figures' and expectations' numbers and columns of a recording that was made before, by the names of its
+  // columns, with verdicts; nothing when the diagram or the settings are wrong.
+  std::optional<DiagramRun> replay(Recording recording, const Overrides& set, Report& report);
 
  private:
-  struct Compiled;
   Diagram() = default;
-  std::shared_ptr<const Compiled> compiled(const Overrides& set, const std::string& unroll_method, double unroll_step,
-                                           Report& report);
-  std::shared_ptr<const Compiled> build(const Overrides& set, const std::string& unroll_method, double unroll_step,
-                                        Report& report) const;
+  std::shared_ptr<const CompiledDiagram> compiled(const Overrides& set, const std::string& unroll_method,
+                                                  double unroll_step, Report& report);
+  std::shared_ptr<const CompiledDiagram> build(const Overrides& set, const std::string& unroll_method,
+                                               double unroll_step, Report& report) const;
 
   std::shared_ptr<const Model> model_;
   double read_time_ = 0;
-  std::map<std::string, std::shared_ptr<const Compiled>> cache_;  // by structure
+  std::map<std::string, std::shared_ptr<const CompiledDiagram>> cache_;  // by structure
 };
 
 }  // namespace plantloop

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -15,14 +16,49 @@ namespace plantloop {
 
 namespace {
 
+Baseline read_baseline(const Model& model, const std::string& name) {
+  Baseline baseline;
+  const FileResult path = resolve_path(model.project, model.path, name);
+  const FileResult text = path.ok() ? read_file(path.value) : path;
+  if (!text.ok()) {
+    baseline.error = fmt::format("cannot read '{}': {}", name, text.error);
+    return baseline;
+  }
+  CsvResult file = read_csv(text.value);
+  if (!file.ok()) {
+    baseline.error = fmt::format("{}:{}: {}", name, file.line, file.error);
+    return baseline;
+  }
+  const int time = file.table.find("time");
+  if (time < 0) {
+    baseline.error = fmt::format("{} has no column 'time'", name);
+    return baseline;
+  }
+  baseline.time_column = static_cast<std::size_t>(time);
+  const auto& times = file.table.columns[baseline.time_column];
+  if (!std::is_sorted(times.begin(), times.end())) {
+    baseline.error = fmt::format("in {} the times do not ascend", name);
+    return baseline;
+  }
+  baseline.table = std::move(file.table);
+  return baseline;
+}
+
 class Judge {
  public:
-  Judge(const Model& model, const DiagramRun& run) : model_(model), run_(run) {}
+  Judge(const DiagramRun& run, const Baselines& baselines) : run_(run), baselines_(baselines) {}
 
   Verdict operator()(const ExpectDecl& entry) const {
-    Verdict verdict{entry.text, false, {}, entry.mark};
+    Verdict verdict;
+    verdict.text = entry.text;
+    verdict.mark = entry.mark;
+    verdict.entry = &entry;
     if (!entry.event.empty()) {
       compare(entry, events(entry.event), verdict);
+      return verdict;
+    }
+    if (!entry.signal && entry.measure == "baseline") {
+      judge_whole_baseline(entry, verdict);
       return verdict;
     }
     const auto shown = run_.shown.find(entry.signal.get());
@@ -35,7 +71,10 @@ class Judge {
     for (std::uint32_t i = 0; i < shown->second.count; ++i) {
       Verdict element = verdict;
       judge_column(entry, shown->second.first + i, element);
-      if (verdict.measured.empty() || (verdict.met && !element.met)) verdict.measured = element.measured;
+      if (verdict.measured.empty() || (verdict.met && !element.met)) {
+        verdict.measured = element.measured;
+        verdict.column = shown->second.first + i;
+      }
       verdict.met = verdict.met && element.met;
     }
     return verdict;
@@ -90,54 +129,97 @@ class Judge {
     }
   }
 
-  // Every row of the file whose column has the signal's name.
+  // Every row of the file whose column has the signal's name, against the run at exactly that row's time.
   void judge_baseline(const ExpectDecl& entry, std::size_t column, Verdict& verdict) const {
-    verdict.met = false;
+    const Baseline& file = baselines_.at(&entry);
     const std::string& name = run_.recording.columns[column].name;
-    const FileResult path = resolve_path(model_.project, model_.path, entry.baseline);
-    const FileResult text = path.ok() ? read_file(path.value) : path;
-    if (!text.ok()) {
-      verdict.measured = fmt::format("cannot read '{}': {}", entry.baseline, text.error);
+    verdict.met = false;
+    if (!file.error.empty()) {
+      verdict.measured = file.error;
       return;
     }
-    const CsvResult file = read_csv(text.value);
-    if (!file.ok()) {
-      verdict.measured = fmt::format("{}:{}: {}", entry.baseline, file.line, file.error);
+    const int at = file.table.find(name);
+    if (at < 0) {
+      verdict.measured = fmt::format("{} has no column '{}'", entry.baseline, name);
       return;
     }
-    const int time_column = file.table.find("time");
-    const int value_column = file.table.find(name);
-    if (time_column < 0 || value_column < 0) {
-      verdict.measured = fmt::format("{} has no column '{}'", entry.baseline, time_column < 0 ? "time" : name);
-      return;
-    }
-    const auto& times = file.table.columns[static_cast<std::size_t>(time_column)];
-    const auto& values = file.table.columns[static_cast<std::size_t>(value_column)];
-    const double abs = number(entry.abs).value_or(0);
-    const double rel = number(entry.rel).value_or(0);
-    verdict.met = true;
-    double worst = -1;
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      const double t = times[i];
-      const bool left = i + 1 < times.size() && times[i + 1] == t;
-      const double excess = std::fabs(run_.recording.value(column, t, left) - values[i]) - rel * std::fabs(values[i]);
-      if (excess > abs || std::isnan(excess)) verdict.met = false;
-      if (excess > worst || std::isnan(excess)) {
-        worst = excess;
-        verdict.measured = fmt::format("differs most at {:g} s, by {:g}, wanted within {:g}", t, excess, abs);
-      }
+    const Tolerance tolerance{number(entry.abs).value_or(0), number(entry.rel).value_or(0),
+                              number(entry.shift).value_or(0)};
+    const Deviation worst =
+        worst_deviation(recorded_signal(run_.recording, column),
+                        signal_of(file.table, static_cast<std::size_t>(at), file.time_column), tolerance);
+    verdict.met = worst.met;
+    if (worst.outside) {
+      verdict.measured = fmt::format("{} goes to {:g} s, where the run has no value", entry.baseline, worst.time);
+    } else {
+      verdict.measured = fmt::format("differs most at {:g} s: {:.9g}, wanted {:.9g} within {:g}", worst.time,
+                                     worst.found, worst.wanted, worst.allowed);
     }
   }
 
-  const Model& model_;
+  // A baseline without a signal: every column of the file.
+  void judge_whole_baseline(const ExpectDecl& entry, Verdict& verdict) const {
+    const Baseline& file = baselines_.at(&entry);
+    verdict.met = file.error.empty();
+    verdict.measured = file.error;
+    if (!verdict.met) return;
+    for (const std::string& name : signal_names(file.table)) {
+      const int column = run_.recording.find(name);
+      Verdict one = verdict;
+      if (column < 0) {
+        one.met = false;
+        one.measured = fmt::format("the run has no column '{}'", name);
+      } else {
+        one.column = static_cast<std::size_t>(column);
+        judge_baseline(entry, one.column, one);
+        one.measured = fmt::format("'{}' {}", name, one.measured);
+      }
+      if (verdict.measured.empty() || (verdict.met && !one.met)) {
+        verdict.measured = one.measured;
+        verdict.column = one.column;
+      }
+      verdict.met = verdict.met && one.met;
+    }
+  }
+
   const DiagramRun& run_;
+  const Baselines& baselines_;
 };
 
 }  // namespace
 
-std::vector<Verdict> judge(const Model& model, const DiagramRun& run) {
+Baselines read_baselines(const Model& model) {
+  Baselines baselines;
+  for (const ExpectDecl& entry : model.expect) {
+    if (entry.measure == "baseline") baselines.emplace(&entry, read_baseline(model, entry.baseline));
+  }
+  return baselines;
+}
+
+SampledSignal recorded_signal(const Recording& recording, std::size_t column) {
+  const SampledSignal rows = signal_of(recording, column);
+  SampledSignal all;
+  all.between = rows.between;
+  std::size_t row = 0;
+  const auto take = [&](double t, double v) {
+    all.time.push_back(t);
+    all.value.push_back(v);
+  };
+  for (const Recording::Sample& sample : recording.samples) {
+    for (; row < rows.time.size() && rows.time[row] < sample.time; ++row) take(rows.time[row], rows.value[row]);
+    if (sample.right.empty()) continue;
+    for (; row < rows.time.size() && rows.time[row] == sample.time; ++row) {
+    }  // the sample stands for them
+    if (sample.left[column] != sample.right[column]) take(sample.time, sample.left[column]);
+    take(sample.time, sample.right[column]);
+  }
+  for (; row < rows.time.size(); ++row) take(rows.time[row], rows.value[row]);
+  return all;
+}
+
+std::vector<Verdict> judge(const Model& model, const DiagramRun& run, const Baselines& baselines) {
   std::vector<Verdict> verdicts;
-  const Judge one(model, run);
+  const Judge one(run, baselines);
   for (const ExpectDecl& entry : model.expect) verdicts.push_back(one(entry));
   return verdicts;
 }

@@ -17,6 +17,10 @@ const std::vector<Layer>& layers() {
       {"engine/run",
        "run",
        {"engine/base", "engine/program", "engine/block", "engine/diagram", "engine/graph", "engine/solve"}},
+      {"engine/analysis",  // questions that need more than a run: explanations, linear models, fits, sweeps
+       "analysis",
+       {"engine/base", "engine/program", "engine/block", "engine/diagram", "engine/graph", "engine/solve",
+        "engine/run"}},
       {"blocks",
        "blocks",
        {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_random.h", "engine/program/kernel.h"}},

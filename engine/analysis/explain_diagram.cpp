@@ -1,0 +1,223 @@
+// A diagram as a whole: how much there is, at which rates, in which order, and what makes the solver start anew.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "engine/analysis/explained.h"
+
+namespace plantloop {
+
+namespace {
+
+constexpr std::size_t most_listed = 12;  // names in one line
+
+std::string list(std::vector<std::string> names) {
+  const std::size_t count = names.size();
+  if (count > most_listed) names.resize(most_listed);
+  std::string text = fmt::format("{}", fmt::join(names, ", "));
+  if (count > most_listed) text += fmt::format(" and {} more", count - most_listed);
+  return text;
+}
+
+std::string amounts(const Explained& e) {
+  const Program& p = *e.program;
+  std::string text =
+      fmt::format("{} in {}, {} and {}\n", counted(e.graph->blocks.size(), "block"),
+                  counted(e.graph->scopes.size() - 1, "subsystem"), counted(p.state_names.size(), "continuous state"),
+                  counted(p.discrete_names.size(), "sampled state"));
+  text += fmt::format("{} in one evaluation of the derivatives, {} of which a new value needs no new compilation\n",
+                      counted(p.derivative_list.operation_count, "operation"), counted(p.parameters.size(), "number"));
+  if (!p.state_names.empty()) {
+    text += fmt::format("Jacobian: {} of {} entries are not zero by structure{}\n", p.jacobian_row.size(),
+                        p.state_names.size() * p.state_names.size(), p.jacobian_is_exact ? "" : ", differenced");
+    if (!p.differenced.empty()) text += fmt::format("  without derivatives of their own: {}\n", list(p.differenced));
+  }
+  return text;
+}
+
+GraphRate rate_of(const Graph& graph, const GraphBlock& block) {
+  return block.type ? block.rate : graph.nets[block.first_output].rate;
+}
+
+std::string rates(const Graph& graph) {
+  std::map<std::pair<int, int>, std::vector<std::string>> by_rate;
+  for (const auto b : graph.order) {
+    const GraphRate rate = rate_of(graph, graph.blocks[b]);
+    by_rate[{static_cast<int>(rate.kind), rate.index}].push_back(graph.blocks[b].path);
+  }
+  std::string text = "\nrates\n";
+  for (const auto& [key, names] : by_rate) {
+    const GraphRate rate{static_cast<GraphRate::Kind>(key.first), static_cast<std::uint16_t>(key.second)};
+    text += fmt::format("  {}: {}\n", in_words(graph, rate), list(names));
+  }
+  return text;
+}
+
+// When a block's outputs are known: after the last of their operations.
+std::uint32_t place_of(const Explained& e, const GraphBlock& block) {
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 0; i < block.outputs; ++i) {
+    for (const auto id : e.operations_of(e.graph->nets[block.first_output + i])) last = std::max(last, id);
+  }
+  return last;
+}
+
+std::string order(const Explained& e) {
+  const Graph& graph = *e.graph;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> places;
+  for (const auto b : graph.order) places.emplace_back(place_of(e, graph.blocks[b]), b);
+  std::stable_sort(places.begin(), places.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  std::size_t width = 0;
+  for (const GraphBlock& block : graph.blocks) width = std::max(width, block.path.size());
+  std::string text = "\norder: each block's outputs are known after those above it\n";
+  for (const auto& [place, b] : places) {
+    const GraphBlock& block = graph.blocks[b];
+    std::string what = block.type ? std::string(block.type->name) : "expression";
+    if (!block.declaration->zero_crossing) what += ", zero_crossing: off";
+    std::string size;
+    if (block.outputs > 0) {
+      const Shape& shape = graph.nets[block.first_output].shape;
+      if (!shape.is_scalar()) size = ", " + in_words(shape);
+    }
+    text += fmt::format("  {:<{}}  {}, {}{}\n", block.path, width, what, in_words(graph, rate_of(graph, block)), size);
+  }
+  return text;
+}
+
+std::string events(const Explained& e) {
+  const Program& p = *e.program;
+  std::vector<std::string> jumps, modes;
+  for (const Program::Jump& jump : p.jumps) jumps.push_back(jump.name);
+  for (const Mode& mode : e.operations().modes) modes.push_back(p.sites[mode.site].path);
+  std::sort(modes.begin(), modes.end());
+  modes.erase(std::unique(modes.begin(), modes.end()), modes.end());
+  std::string text = "\nevents\n";
+  if (jumps.empty() && modes.empty()) return text + "  none\n";
+  if (!jumps.empty()) text += fmt::format("  states jump at: {}\n", list(jumps));
+  if (!modes.empty()) text += fmt::format("  modes change in: {}\n", list(modes));
+  return text;
+}
+
+// Which states' derivatives read a held value: sampled at a rate, or a segment of a source.
+class Restarts {
+ public:
+  explicit Restarts(const Explained& e) : e_(e), graph_(e.operations()) {
+    for (const GraphBlock& block : e.graph->blocks) {
+      for (std::uint32_t i = 0; i < block.outputs; ++i) {
+        const GraphNet& net = e.graph->nets[block.first_output + i];
+        for (const auto id : e.operations_of(net)) name_of_.emplace(id, path_of(*e.graph, net));
+      }
+    }
+  }
+
+  std::string text() {
+    for (std::uint32_t s = 0; s < e_.program->resolved->derivatives.size(); ++s) {
+      seen_.assign(graph_.operations.size(), false);
+      look(e_.program->resolved->derivatives[s], e_.recorded.record.states[s].name);
+    }
+    std::string text = "\nrestarts: where the solver starts anew because a derivative may have changed\n";
+    for (const auto& [cause, states] : causes_) {
+      text += fmt::format("  {}, in the derivative of {}\n", cause, list({states.begin(), states.end()}));
+    }
+    for (const Program::Jump& jump : e_.program->jumps) {
+      text += fmt::format("  event '{}': states jump\n", jump.name);
+    }
+    if (!graph_.modes.empty()) text += "  events of modes, as listed above\n";
+    if (causes_.empty() && e_.program->jumps.empty() && graph_.modes.empty()) text += "  none\n";
+    return text;
+  }
+
+ private:
+  void look(std::uint32_t root, const std::string& state) {
+    std::vector<std::uint32_t> open{root};
+    while (!open.empty()) {
+      const std::uint32_t id = open.back();
+      open.pop_back();
+      if (seen_[id]) continue;
+      seen_[id] = true;
+      const Operation& o = graph_.operations[id];
+      if (o.is_parameter_only() || o.op == Op::state || o.op == Op::time || o.op == Op::mode) continue;
+      if (!o.is_continuous()) {
+        add(id, state);
+        continue;
+      }
+      if (o.op == Op::kernel) {
+        for (const auto i : graph_.kernels[o.a].inputs) open.push_back(i);
+      } else if (o.op == Op::kernel_output) {
+        open.push_back(o.a);
+      } else if (!is_leaf(o.op)) {
+        const int arity = arity_of(o.op);
+        if (arity > 0) open.push_back(o.a);
+        if (arity > 1) open.push_back(o.b);
+        if (arity > 2) open.push_back(o.c);
+      }
+    }
+  }
+
+  // A held operation is called by the signals that it is made of.
+  void add(std::uint32_t id, const std::string& state) {
+    const Operation& o = graph_.operations[id];
+    const std::string names = list(signals_in(id));
+    if ((o.mask & event_bit) != 0) causes_[fmt::format("at edges {} changes", names)].insert(state);
+    for (RateIndex r = 1; r < e_.program->rates.size(); ++r) {
+      if ((o.mask & rate_bit(r)) == 0) continue;
+      causes_[fmt::format("every {} s {} changes", e_.program->rates[r].period.to_double(), names)].insert(state);
+    }
+  }
+
+  std::vector<std::string> signals_in(std::uint32_t id) const {
+    std::set<std::string> names;
+    std::vector<std::uint32_t> open{id};
+    while (!open.empty()) {
+      const std::uint32_t at = open.back();
+      open.pop_back();
+      const auto known = name_of_.find(at);
+      const Operation& o = graph_.operations[at];
+      if (known != name_of_.end()) {
+        names.insert(known->second);
+      } else if (o.op == Op::segment) {
+        names.insert(e_.program->sites[e_.program->schedules[o.a].site].path);
+      } else if (o.op == Op::kernel_output || is_leaf(o.op)) {
+        if (!o.is_parameter_only()) names.insert(e_.program->sites[o.site].path);
+      } else {
+        const int arity = arity_of(o.op);
+        if (arity > 0) open.push_back(o.a);
+        if (arity > 1) open.push_back(o.b);
+        if (arity > 2) open.push_back(o.c);
+      }
+    }
+    return {names.begin(), names.end()};
+  }
+
+  const Explained& e_;
+  const OperationGraph& graph_;
+  std::map<std::uint32_t, std::string> name_of_;  // of the operations that are signals
+  std::vector<bool> seen_;
+  std::map<std::string, std::set<std::string>> causes_;
+};
+
+std::string structure(const Explained& e) {
+  std::vector<std::string> structural, zeros;
+  for (std::size_t i = 0; i < e.recorded.uses.size(); ++i) {
+    const std::string& name = e.recorded.record.parameters[i].name;
+    if (e.recorded.uses[i] == ParameterUse::structural) structural.push_back(name);
+    if (e.recorded.uses[i] == ParameterUse::zero_structural) zeros.push_back(name);
+  }
+  std::string text;
+  if (!structural.empty()) text += fmt::format("  a new value compiles again: {}\n", list(structural));
+  if (!zeros.empty()) text += fmt::format("  becoming or leaving zero compiles again: {}\n", list(zeros));
+  return text.empty() ? "" : "\nstructure\n" + text;
+}
+
+}  // namespace
+
+std::string explain_diagram(const Explained& e) {
+  const Model& model = *e.graph->model;
+  std::string text = model.title.empty() ? model.path + "\n" : fmt::format("{}: {}\n", model.path, model.title);
+  return text + amounts(e) + rates(*e.graph) + order(e) + events(e) + Restarts(e).text() + structure(e);
+}
+
+}  // namespace plantloop
