@@ -15,15 +15,6 @@ namespace {
 
 using Eigen::Index;
 
-// "u_flow [l/s]" -> u_flow, l/s
-Channel channel_of(const std::string& header) {
-  const std::size_t open = header.find('[');
-  if (open == std::string::npos || !header.ends_with(']')) return {header, ""};
-  std::string name = header.substr(0, open);
-  while (name.ends_with(' ')) name.pop_back();
-  return {name, header.substr(open + 1, header.size() - open - 2)};
-}
-
 struct Roles {
   int time = -1, experiment = -1;
   std::vector<int> inputs, outputs;
@@ -170,6 +161,14 @@ class Reader {
 };
 
 }  // namespace
+
+Channel channel_of(const std::string& header) {
+  const std::size_t open = header.find('[');
+  if (open == std::string::npos || !header.ends_with(']')) return {header, ""};
+  std::string name = header.substr(0, open);
+  while (name.ends_with(' ')) name.pop_back();
+  return {name, header.substr(open + 1, header.size() - open - 2)};
+}
 
 DataSet read_data_csv(std::string_view text, const std::string& file, const CsvColumns& columns) {
   const CsvResult result = read_csv(text, MissingCells::as_nan);

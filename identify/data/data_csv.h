@@ -18,6 +18,9 @@ struct CsvColumns {
   std::optional<double> Ts;  // s; needed only when there is no column `time`
 };
 
+// A header's name and unit: "flow [l/s]".
+Channel channel_of(const std::string& header);
+
 // A table with a header: `time` in s (or `t`), signals as `name` or `name [unit]`, and `experiment`, a number that
 // changes where another experiment begins. An empty cell, `nan` or `NA` is a missing value. Time must advance evenly
 // within an experiment, to 5 % of the sampling time, as printed times are rounded. `file` names it in messages.

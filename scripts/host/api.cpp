@@ -46,6 +46,18 @@ std::vector<TypeInfo> make_api() {
        {{"time", "pl.Vector", "s; a jump has two rows of equal time"}, {"[string]", "pl.Vector", "a column"}}},
       {"Figure", "A figure: one panel, or several below each other.", figure_methods(), {}},
       {"Panel", "One panel of a figure.", panel_methods(), {}},
+      {"identify",
+       "Models from data.",
+       all_of({identify_data_functions(), identify_linear_functions(), identify_model_functions(),
+               identify_analysis_functions()}),
+       {}},
+      {"DataSet", "Measured inputs u and outputs y of one process, in one or more experiments.", data_methods(),
+       data_fields()},
+      {"LinearModel", "A y = q^-delay (B/F) u + (C/D) v, polynomials in the delay operator.", linear_model_methods(),
+       linear_model_fields()},
+      {"StateSpaceModel", "x(k+1) = A x + B u, y = C x + D u.", state_space_methods(), state_space_fields()},
+      {"RegressionModel", "A NARX model that is linear in its parameters.", regression_model_methods(),
+       regression_model_fields()},
   };
 }
 
@@ -66,6 +78,9 @@ std::vector<std::pair<std::string, std::string>> split(std::string_view paramete
   }
   return list;
 }
+
+// A table of functions inside the module: `pl.identify`.
+bool is_table(std::string_view name) { return name != "pl" && name[0] >= 'a' && name[0] <= 'z'; }
 
 std::string function_stub(const std::string& owner, char separator, const Entry& entry, bool skip_first) {
   std::string text = fmt::format("\n---{}\n", entry.doc);
@@ -103,6 +118,11 @@ void push_module(lua_State* L) {
   for (const TypeInfo& type : api()) {
     if (type.name == "pl") push_functions(L, type.entries);
   }
+  for (const TypeInfo& type : api()) {
+    if (!is_table(type.name)) continue;
+    push_functions(L, type.entries);
+    lua_setfield(L, -2, std::string(type.name).c_str());
+  }
   push_text(L, session_of(L).project);
   lua_setfield(L, -2, "project");
   lua_pushnumber(L, 3.14159265358979323846);
@@ -137,7 +157,9 @@ std::string lua_stubs() {
     }
     const std::string local = is_module ? "pl" : std::string(type.name);
     text += fmt::format("local {} = {{}}\n", local);
-    for (const lua::Entry& entry : type.entries) text += lua::function_stub(local, is_module ? '.' : ':', entry, false);
+    const char separator = is_module || lua::is_table(type.name) ? '.' : ':';
+    for (const lua::Entry& entry : type.entries) text += lua::function_stub(local, separator, entry, false);
+    if (lua::is_table(type.name)) text += fmt::format("pl.{} = {}\n", name.substr(3), local);
     if (type.name != "Vector") continue;
     for (const lua::Entry& entry : *functions) {
       if (entry.also_method) text += lua::function_stub(local, ':', entry, true);

@@ -25,13 +25,13 @@ struct FieldInfo {
 };
 
 struct TypeInfo {
-  std::string_view name;  // "Run"; "pl" is the module itself
+  std::string_view name;  // "Run"; "pl" is the module itself, and a small letter begins a table of functions in it
   std::string_view doc;
   Entries entries;
   std::vector<FieldInfo> fields;
 };
 
-// Every type with its methods, and the module.
+// Every type with its methods, the module and its tables.
 const std::vector<TypeInfo>& api();
 
 // The module's functions, by file.
@@ -49,11 +49,28 @@ Entries figure_methods();
 Entries panel_methods();
 Entries file_functions();
 
+// Of the table pl.identify, by file.
+Entries identify_data_functions();
+Entries identify_linear_functions();
+Entries identify_model_functions();
+Entries identify_analysis_functions();
+Entries data_methods();
+Entries linear_model_methods();
+Entries state_space_methods();
+Entries regression_model_methods();
+std::vector<FieldInfo> data_fields();
+std::vector<FieldInfo> linear_model_fields();
+std::vector<FieldInfo> state_space_fields();
+std::vector<FieldInfo> regression_model_fields();
+
 // Set up metatables of the objects.
 void open_vectors(lua_State* L);
 void open_diagrams(lua_State* L);
 void open_runs(lua_State* L);
 void open_figures(lua_State* L);
+void open_data(lua_State* L);
+void open_linear_models(lua_State* L);
+void open_models(lua_State* L);
 
 // The table `pl`, on the stack.
 void push_module(lua_State* L);

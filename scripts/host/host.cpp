@@ -71,6 +71,9 @@ int set_up(lua_State* L) {
   open_diagrams(L);
   open_runs(L);
   open_figures(L);
+  open_data(L);
+  open_linear_models(L);
+  open_models(L);
   open_globals(L);
   return 0;
 }

@@ -18,10 +18,10 @@ namespace plantloop {
 
 // What a script may use before it is stopped; 0: no limit. It cannot change them.
 struct ScriptOptions {
-  double time_limit = 3600;                        // s of wall clock
+  double time_limit = 3600;                         // s of wall clock
   std::int64_t max_instructions = 100'000'000'000;  // of the Lua machine, and of our functions in the same measure
-  std::size_t max_memory = std::size_t{2} << 30;   // bytes, of values, vectors and runs together
-  const std::atomic<bool>* cancel = nullptr;       // set from anywhere: the script ends
+  std::size_t max_memory = std::size_t{2} << 30;    // bytes, of values, vectors and runs together
+  const std::atomic<bool>* cancel = nullptr;        // set from anywhere: the script ends
 
   std::ostream* output = &std::cout;    // of `print`
   std::ostream* messages = &std::cerr;  // errors, and the notes and warnings of diagrams

@@ -86,6 +86,12 @@ INSTANTIATE_TEST_SUITE_P(
         Experiment{"pendulum", {"figure_5_17"}, "at most 0.381 rad/s divided by N"},
         Experiment{"pendulum_blend", {"figure_5_19", "figure_5_20", "figure_5_21_5_22"}, "at most 0.0450 rad off"},
         Experiment{"pi_velocity", {"figure_6_4", "figure_6_5_6_6", "pi_scheduled"}, "by 13.75 (expected 13.75)"},
+        Experiment{"first_order_data", {"figure_2_5", "figure_2_6"}, "a1 = -0.9512000000, b1 = 0.0975400000"},
+        Experiment{"motor_generator",
+                   {"figure_2_9", "figure_2_10", "figure_2_11", "figure_2_12", "figure_2_13", "figure_2_14",
+                    "figure_2_15", "figure_2_16", "figure_2_17", "figure_2_18", "figure_2_19", "figure_2_20",
+                    "figure_2_21", "figure_2_22", "figure_2_23", "figure_2_24"},
+                   "least squares                   -1.636142   0.685165   0.032362   0.012466"},
         Experiment{"gain_scheduling", {"figure_6_8", "figure_6_8_signals"}, "whatever the height of the step"}),
     [](const auto& instance) { return instance.param.name; });
 

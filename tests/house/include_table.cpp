@@ -56,6 +56,7 @@ const std::vector<Door>& doors() {
       {"CLI/", {"app"}},
       {"nlohmann/", {"engine/base/report.cpp", "engine/run", "app", "tests"}},
       {"Eigen/", {"identify", "scripts/host", "tests"}},
+      {"unsupported/Eigen/FFT", {"identify/spectra/fft.cpp"}},
       {"gtest/", {"tests"}},
       {"gmock/", {"tests"}},
       {"benchmark/", {"bench"}},

@@ -1,0 +1,55 @@
+// Linear models of any number of inputs and outputs in state space: x(k+1) = A x + B u, y = C x + D u.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identify/data/data_set.h"
+#include "identify/fit_report.h"
+#include "identify/linear/polynomial_model.h"
+
+namespace plantloop::identify {
+
+struct StateSpaceModel {
+  std::vector<Channel> inputs, outputs;
+  double Ts = 1;                    // s
+  Eigen::MatrixXd A, B, C, D;       // n x n, n x inputs, outputs x n, outputs x inputs
+  Eigen::VectorXd u0, y0;           // operating point: the model is of u - u0 and y - y0
+  std::vector<Eigen::VectorXd> x0;  // the first state of each experiment of the data it was made of
+  Eigen::VectorXd singular_values;  // of the projection, from which the order was read
+  FitReport fit;
+
+  Eigen::Index order() const { return A.rows(); }
+  Eigen::VectorXcd poles() const;
+  bool is_stable() const;
+};
+
+struct SubspaceOptions {
+  int order = 0;              // 0: where the ratio of neighbouring singular values is greatest
+  int highest = 10;           // order that is chosen from, with order = 0
+  int block_rows = 10;        // i, of the Hankel matrices; greater than the order
+  bool remove_means = false;  // fit deviations from the means of the data, which become the operating point
+  bool feedthrough = true;    // whether D is estimated; else it is 0
+};
+
+// The subspace method PO-MOESP (M. Verhaegen 1994): LQ decomposition of [Uf; Up; Yp; Yf], the singular values of the
+// part of Yf that the past explains, A and C from the shift invariance of the observability matrix, B, D and x0 by
+// least squares of the simulated response. A delay of d samples appears as d further states. Raises IdentifyError.
+StateSpaceModel fit_subspace(const DataSet& data, const SubspaceOptions& options = {}, const FitControl& control = {});
+
+// The observer companion form of a polynomial model's free run (its noise is left out). Exact.
+StateSpaceModel to_state_space(const PolynomialModel& model);
+
+enum class StateStart {
+  zero,       // from rest at the operating point
+  estimated,  // from the state that fits the measured outputs of the experiment best, in least squares
+};
+// Free run: samples x outputs of each experiment.
+std::vector<Eigen::MatrixXd> simulate(const StateSpaceModel& model, const DataSet& data,
+                                      StateStart start = StateStart::estimated);
+
+Item to_item(const StateSpaceModel& model);
+StateSpaceModel state_space_of(const Item& item);
+
+}  // namespace plantloop::identify

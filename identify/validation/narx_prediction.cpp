@@ -1,0 +1,95 @@
+// Predictions of models that map regressors to outputs.
+
+#include "identify/validation/narx_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/error.h"
+
+namespace plantloop::identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+void check_task(const RegressorSet& set, const DataSet& data) {
+  check(data);
+  if (set.inputs.size() == data.inputs.size() && set.outputs.size() == data.outputs.size()) return;
+  fail("the model is of {} inputs and {} outputs, the data have {} and {}", set.inputs.size(), set.outputs.size(),
+       data.inputs.size(), data.outputs.size());
+}
+
+// Rows [from, until) computed in place; `y` holds what they look back to.
+void run(const RegressorSet& set, const MatrixXd& u, MatrixXd& y, const Predictor& f, Index from, Index until,
+         double limit) {
+  for (Index k = from; k < until; ++k) {
+    const VectorXd x = row_at(set, u, y, k);
+    if (x.hasNaN()) {
+      y.row(k).setConstant(nothing);
+      continue;
+    }
+    y.row(k) = f(x).transpose();
+    if (!(y.row(k).cwiseAbs().maxCoeff() <= limit)) {
+      y.middleRows(k, until - k).setConstant(HUGE_VAL);
+      return;
+    }
+  }
+}
+
+double limit_of(const DataSet& data) {
+  double largest = 0;
+  for (const Experiment& e : data.experiments) {
+    for (const double v : e.y.reshaped()) {
+      if (!std::isnan(v)) largest = std::max(largest, std::fabs(v));
+    }
+  }
+  return 1e6 * std::max(largest, 1e-300);
+}
+
+}  // namespace
+
+Outputs one_step(const RegressorSet& set, const DataSet& data, const Predictor& f) { return k_step(set, data, f, 1); }
+
+Outputs k_step(const RegressorSet& set, const DataSet& data, const Predictor& f, int steps) {
+  check_task(set, data);
+  if (steps < 1) fail("a prediction looks at least one step ahead, not {}", steps);
+  const Index lag = set.longest_lag();
+  const double limit = limit_of(data);
+  Outputs result;
+  for (const Experiment& e : data.experiments) {
+    MatrixXd predicted = MatrixXd::Constant(e.y.rows(), e.y.cols(), nothing);
+    MatrixXd y = e.y;
+    for (Index k = lag + steps - 1; k < e.samples(); ++k) {
+      const Index from = k - steps + 1;
+      run(set, e.u, y, f, from, k + 1, limit);
+      predicted.row(k) = y.row(k);
+      y.middleRows(from, steps) = e.y.middleRows(from, steps);
+    }
+    result.push_back(std::move(predicted));
+  }
+  return result;
+}
+
+Outputs free_run(const RegressorSet& set, const DataSet& data, const Predictor& f) {
+  check_task(set, data);
+  const double limit = limit_of(data);
+  Outputs result;
+  for (const Experiment& e : data.experiments) {
+    const Index lag = std::min<Index>(set.longest_lag(), e.samples());
+    MatrixXd y = e.y;
+    if (set.uses_outputs() && y.topRows(lag).hasNaN()) {
+      fail("a free run begins with the first {} measured outputs of experiment '{}', and some are missing", lag,
+           e.name);
+    }
+    run(set, e.u, y, f, lag, e.samples(), limit);
+    result.push_back(std::move(y));
+  }
+  return result;
+}
+
+}  // namespace plantloop::identify

@@ -1,0 +1,103 @@
+// Identification from scripts: data, fits, predictions, files, and what is said when something is wrong.
+
+#include "tests/scripts/workshop.h"
+
+namespace plantloop {
+namespace {
+
+using testing::HasSubstr;
+
+class Identification : public Workshop {
+ protected:
+  // `data` is of y(k) = 0.8 y(k-1) + 0.5 u(k-1) with a binary input, without noise.
+  std::string with_data(const std::string& script) {
+    return printed(R"lua(local identify = pl.identify
+      local u, y = identify.prbs{bits = 8, hold = 2}, pl.zeros(510)
+      for k = 2, #u do y[k] = 0.8 * y[k - 1] + 0.5 * u[k - 1] end
+      local data = identify.data{u = u, y = y, Ts = 0.1, inputs = {"u [V]"}, outputs = {"level [m]"}}
+      )lua" + script);
+  }
+};
+
+TEST_F(Identification, FitsArxAndOutputErrorModels) {
+  EXPECT_EQ(with_data(R"lua(
+      local arx, oe = identify.arx(data, {na = 1, nb = 1}), identify.oe(data, {nb = 1, nf = 1})
+      print(("%s %.6f %.6f %.6f"):format(arx.structure, arx.A[2], arx.B[1], arx.gain))
+      print(("%s %.6f %.6f"):format(oe.structure, oe.F[2], oe.B[1]))
+      print(("%.9f"):format(identify.metrics(data.y, oe:simulate(data)).max)))lua"),
+            "ARX -0.800000 0.500000 2.500000\nOE -0.800000 0.500000\n0.000000000");
+}
+
+TEST_F(Identification, EveryFitReports) {
+  EXPECT_EQ(with_data(R"lua(
+      local r = identify.arx(data, {na = 2, nb = 2}).report
+      print(r.method, r.parameters, r.samples, r.warnings[1])
+      print(#identify.armax(data, {na = 1, nb = 1, nc = 1}).report.tried))lua"),
+            "least squares\t4.0\t508.0\tthe data determine only 3 of 4 parameters: one is set to 0. The input does not "
+            "excite the process enough, or a regressor is a combination of others\n2");
+}
+
+TEST_F(Identification, DataKeepNamesUnitsAndParts) {
+  EXPECT_EQ(with_data(R"lua(
+      local first, second = data:split(0.6)
+      print(data.samples, first.samples, second.samples, data.inputs[1], data.outputs[1], #data:column "level", data.Ts)
+      print(data:part(11, 20).time)
+      data:save "out.csv"
+      print(identify.read("out.csv", {inputs = {"u"}, outputs = {"level"}}).hash == data.hash))lua"),
+            "510\t306\t204\tu\tlevel\t510\t0.1\n[1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9]\ntrue");
+}
+
+TEST_F(Identification, ModelsComeBackFromTheirFiles) {
+  EXPECT_EQ(with_data(R"lua(
+      local models = {identify.oe(data, {nb = 1, nf = 1}), identify.state_space(data, {order = 1}),
+                      identify.regression(data, {regressors = "y(k-1), u(k-1), 1", normalise = true})}
+      for i, m in ipairs(models) do
+        m:save(("m%d.yaml"):format(i))
+        print(identify.load(("m%d.yaml"):format(i)):simulate(data) == m:simulate(data))
+      end)lua"),
+            "true\ntrue\ntrue");
+  EXPECT_THAT(read("m1.yaml"), HasSubstr("plantloop_model: 1\ntype: linear_model\nstructure: OE\nTs: 0.1\n"));
+}
+
+TEST_F(Identification, FindsOrdersAndDelays) {
+  EXPECT_EQ(with_data(R"lua(
+      local noisy = identify.data{u = u, y = y + identify.white_noise{samples = #y, deviation = 0.02, seed = 3}, Ts = 0.1}
+      local list = identify.order_table(noisy, {na = {1, 3}, nb = {1, 2}, delay = {0, 2}})
+      local delays, errors = identify.delay_table(noisy, {order = 1, delay = {0, 3}})
+      print(#list, list.best.simulated.delay, delays[errors:argmin()]))lua"),
+            "18\t0\t0.0");
+}
+
+TEST_F(Identification, PolynomialModelsFindTheirTerms) {
+  EXPECT_EQ(printed(R"lua(local identify = pl.identify
+      local u, y = identify.staircase{samples = 400, hold = {2, 5}, seed = 2}, pl.zeros(400)
+      for k = 3, 400 do y[k] = 0.5 * y[k - 1] + 0.4 * u[k - 2] ^ 2 end
+      local m = identify.polynomial(identify.data{u = u, y = y, Ts = 1},
+                                    {regressors = "y(k-1), u(k-1..2)", degree = 2, normalise = false, most_terms = 4})
+      table.sort(m.names)
+      print(m.names[1] == 'u(k-2)^2' or m.names[2] == 'u(k-2)^2', m.longest_lag))lua"),
+            "true\t2");
+}
+
+TEST_F(Identification, SaysWhatIsWrongInTheUsersWords) {
+  EXPECT_THAT(complaint("pl.identify.data{y = {1, 2}}"), HasSubstr("the data need 'Ts', the sampling time in s"));
+  const std::string data = "local data = pl.identify.data{u = pl.ones(20), y = pl.ones(20), Ts = 1}; ";
+  EXPECT_THAT(complaint(data + "pl.identify.arx(data, {nba = 1})"),
+              HasSubstr("the options of arx: there is no 'nba'; did you mean 'na'?"));
+  EXPECT_THAT(complaint(data + "pl.identify.arx(data, {nb = 30})"),
+              HasSubstr("31 parameters cannot be estimated from 20 samples"));
+  EXPECT_THAT(complaint(data + "print(data.sample)"), HasSubstr("a data set has no 'sample'; did you mean 'samples'?"));
+  EXPECT_THAT(complaint("pl.identify.arx({})"), HasSubstr("'data' must be a data set, it is a table"));
+  EXPECT_THAT(complaint(data + "pl.identify.regression(data, {regressors = 'y(k-1), v(k-1)'})"),
+              HasSubstr("regressors, character 9: there is no signal 'v'"));
+  write("m.yaml", "plantloop_model: 1\ntype: linear_model\nTs: 0.1\n");
+  EXPECT_THAT(complaint("pl.identify.load 'm.yaml'"), HasSubstr("m.yaml:1:1: the key 'structure' is missing"));
+}
+
+TEST_F(Identification, AdvisesOnData) {
+  EXPECT_THAT(with_data("for _, line in ipairs(data:advice()) do print(line) end"),
+              HasSubstr("'u' acts on 'level' after about 1 sample"));
+}
+
+}  // namespace
+}  // namespace plantloop
