@@ -354,7 +354,19 @@ struct BlockType {
   std::string_view details;
   std::string_view example;  // a whole diagram but for its first line, `plantloop: 1`; it meets its `expect:`
   std::unique_ptr<const Block> block;
+  std::string_view icon;  // empty: the drawing finds a face for it
 };
+
+// What a drawing shows on a block's face, when its class says so: `static constexpr auto icon = "k/(tau*s + 1)"`, an
+// expression over its parameters and s or z, in which a table stands for a polynomial.
+template <typename Class>
+constexpr std::string_view icon_of() {
+  if constexpr (requires { Class::icon; }) {
+    return Class::icon;
+  } else {
+    return {};
+  }
+}
 
 // All block types, sorted by name; made by CMake from the file names under blocks/.
 const std::vector<BlockType>& catalogue();
@@ -362,10 +374,11 @@ const std::vector<BlockType>& catalogue();
 const BlockType* find_block(std::string_view name);
 
 // Registers the block of a file. Its name is the file's name.
-#define PLANTLOOP_BLOCK(type_name, Class)                                                                     \
-  BlockType plantloop_block_##type_name() {                                                                   \
-    return BlockType{                                                                                         \
-        #type_name, {}, Class::summary, Class::details, Class::example + 1, std::make_unique<const Class>()}; \
+#define PLANTLOOP_BLOCK(type_name, Class)                                                                         \
+  BlockType plantloop_block_##type_name() {                                                                       \
+    return BlockType{                                                                                             \
+        #type_name,      {}, Class::summary, Class::details, Class::example + 1, std::make_unique<const Class>(), \
+        icon_of<Class>()};                                                                                        \
   }
 
 }  // namespace plantloop

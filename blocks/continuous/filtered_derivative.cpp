@@ -11,6 +11,7 @@ struct FilteredDerivative final : Block {
       "y = N (u - x),  x' = y: the transfer function N s/(s + N). x starts at u, so the output starts at 0; the error "
       "of the "
       "derivative is about u''/N.";
+  static constexpr auto icon = "N*s/(s + N)";
   static constexpr auto example = R"(
 blocks:
   u: {type: ramp, slope: 3}

@@ -8,6 +8,7 @@ namespace {
 struct FirstOrder final : Block {
   static constexpr auto summary = "Follow the input with a lag.";
   static constexpr auto details = "x' = (k u - x) / tau,  y = x";
+  static constexpr auto icon = "k/(tau*s + 1)";
   static constexpr auto example = R"(
 blocks: {x: {type: first_order, in: 1, k: 2, tau: 0.5}}
 simulation: {stop: 2}

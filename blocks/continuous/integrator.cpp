@@ -15,6 +15,7 @@ struct Integrator final : Block {
       "x' = u,  y = x.  With lower or upper the state never leaves the limits: at a limit it stands still while the "
       "input "
       "pushes further out.";
+  static constexpr auto icon = "1/s";
   static constexpr auto example = R"(
 blocks: {x: {type: integrator, in: cos(time), upper: 0.5}}
 simulation: {stop: 2}

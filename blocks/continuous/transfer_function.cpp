@@ -16,6 +16,7 @@ struct TransferFunctionBlock final : Block {
       "The states are those of the observable canonical form, in the scale of the output. A vector is filtered element "
       "by "
       "element.";
+  static constexpr auto icon = "num/den";
   static constexpr auto example = R"(
 blocks: {y: {type: transfer_function, in: 1, num: [1], den: [1, 2, 1]}}
 simulation: {stop: 2}

@@ -167,6 +167,7 @@ struct TransportDelay final : Block {
       "through the block needs `initial`, since u at the start then depends on y. The solver takes no step longer than "
       "the delay, and "
       "stops where a jump of the input comes out.";
+  static constexpr auto icon = "exp(-delay*s)";
   static constexpr auto example = R"(
 blocks:
   u: {type: sine}

@@ -14,6 +14,7 @@ struct Pi final : Block {
       "anti_windup tracking: I' = ki e + (u - raw)/t_track;  clamp: the integral itself stays within the limits;  "
       "none: nothing is "
       "done.  The gains are ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
+  static constexpr auto icon = "kp + ki/s";
   static constexpr auto example = R"(
 blocks:
   c: {type: pi, in: 1 - plant, kp: 2, ki: 4, lower: 0, upper: 3}

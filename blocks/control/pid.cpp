@@ -16,6 +16,7 @@ struct Pid final : Block {
       "I' = ki e + (u - raw)/t_track;  clamp: the integral itself stays within the limits;  none: nothing is done.  "
       "The gains are "
       "ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
+  static constexpr auto icon = "kp + ki/s + kd*N*s/(s + N)";
   static constexpr auto example = R"(
 blocks:
   c: {type: pid, in: 1 - plant, kp: 4, ki: 1, kd: 2}

@@ -14,6 +14,7 @@ struct VelocityIntegrator final : Block {
       "so nothing "
       "winds up: the reason to compute the speed of a control signal instead of the signal (book section 6.1, figure "
       "6.5).";
+  static constexpr auto icon = "1/s";
   static constexpr auto example = R"(
 blocks: {u: {type: velocity_integrator, in: 10, fastest: 2, upper: 1}}
 simulation: {stop: 1}

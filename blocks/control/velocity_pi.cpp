@@ -16,6 +16,7 @@ struct VelocityPi final : Block {
       "integral one; both are ports, so that they can follow an operating point without disturbing u.  With lower or "
       "upper u stands "
       "still at a limit while its rate points further out.";
+  static constexpr auto icon = "(k0 + k1/s)/(s/p + 1)";
   static constexpr auto example = R"(
 blocks:
   c: {type: velocity_pi, in: {e: 1 - plant, k0: 2, k1: 4}, p: 100}

@@ -15,6 +15,7 @@ struct DiscreteTransferFunction final : Block {
       "the output at "
       "the same instant. The states are those of the observable canonical form. A vector is filtered element by "
       "element.";
+  static constexpr auto icon = "num/den";
   static constexpr auto example = R"(
 blocks: {y: {type: discrete_transfer_function, in: 1, num: [1], den: [1, -0.5], rate: 1}}
 simulation: {stop: 4}

@@ -8,6 +8,7 @@ namespace {
 struct UnitDelay final : Block {
   static constexpr auto summary = "Delay the input by one sample.";
   static constexpr auto details = "y[k] = u[k-1],  y[0] = initial";
+  static constexpr auto icon = "1/z";
   static constexpr auto example = R"(
 blocks: {n: {type: unit_delay, in: n + 1, rate: 1}}
 simulation: {stop: 6}

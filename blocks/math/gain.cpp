@@ -8,6 +8,7 @@ namespace {
 struct Gain final : Block {
   static constexpr auto summary = "Multiply the input by a number.";
   static constexpr auto details = "y = k u, element by element";
+  static constexpr auto icon = "k";
   static constexpr auto example = R"(
 blocks: {y: {type: gain, in: time, k: 3}}
 simulation: {stop: 1}

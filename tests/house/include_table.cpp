@@ -28,8 +28,9 @@ const std::vector<Layer>& layers() {
       {"identify", "identify", {"engine/base", "engine/diagram/document.h"}},
       {"render", "render", {"engine/base"}},
       {"app/figures", "figures", {"engine", "render"}},  // shared by the commands and the Lua host
+      {"app/drawing", "drawing", {"engine", "render"}},  // a library, so that tests can look at drawings
       {"scripts/host", "lua_host", {"engine", "identify", "render", "app/figures"}},
-      {"app", "", {"engine", "identify", "render", "scripts/host", "app/figures"}},
+      {"app", "", {"engine", "identify", "render", "scripts/host", "app/figures", "app/drawing"}},
       {"bench", "", {"engine"}},
       {"tests", "", {"engine", "blocks", "identify", "render", "scripts/host", "app"}},
   };
