@@ -10,6 +10,7 @@ struct LeadLag final : Block {
   static constexpr auto details =
       "y = k (lead s + 1)/(lag s + 1) u, as x' = (u - x)/lag,  y = k (x + lead/lag (u - x)). lead > lag advances the "
       "phase, lead < lag delays it; with lead 0 it is a lag.";
+  static constexpr auto icon = "k*(lead*s + 1)/(lag*s + 1)";
   static constexpr auto example = R"(
 blocks: {y: {type: lead_lag, in: 1, lead: 2, lag: 0.5}}
 simulation: {stop: 2}
