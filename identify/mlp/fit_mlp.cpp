@@ -1,0 +1,289 @@
+// Networks from many starts.
+
+#include "identify/mlp/fit_mlp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "identify/error.h"
+#include "identify/fit/parallel.h"
+#include "identify/mlp/problems.h"
+
+namespace plantloop::identify {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+void check_options(const MlpOptions& options) {
+  if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
+  if (!(options.spread > 0)) fail("the spread of first weights is {:g}; it must be greater than 0", options.spread);
+  if (!(options.training.decay >= 0)) fail("the weight decay is {:g}; it must be 0 or greater", options.training.decay);
+  if (options.training.iterations < 1)
+    fail("the number of iterations is {}; it must be 1 or more", options.training.iterations);
+  if (options.activation == Activation::signum || options.output_activation == Activation::signum)
+    fail(
+        "a network of signum neurons has no gradient to follow; train it by the perceptron rule, or choose sigmoid or "
+        "tanh");
+}
+
+void check_rows(const MatrixXd& X, const MatrixXd& Y) {
+  if (X.rows() == 0 || X.cols() == 0 || Y.cols() == 0) fail("the data has no rows or no columns");
+  if (X.rows() != Y.rows()) fail("the inputs have {} rows and the targets {}; they must agree", X.rows(), Y.rows());
+  if (!X.allFinite() || !Y.allFinite()) fail("the data has numbers that are not finite; leave such rows out");
+}
+
+double score(const TrainingResult& result, bool validated) {
+  const double value = validated ? result.validation_sse : result.criterion;
+  return std::isfinite(value) ? value : infinite;
+}
+
+int best_of(const std::vector<TrainingResult>& results, bool validated) {
+  int best = 0;
+  for (int i = 1; i < static_cast<int>(results.size()); ++i) {
+    if (score(results[static_cast<std::size_t>(i)], validated) <
+        score(results[static_cast<std::size_t>(best)], validated))
+      best = i;
+  }
+  return best;
+}
+
+std::string line(const std::string& what, const TrainingResult& result, Index targets, const Training* validation) {
+  std::string text = fmt::format("{}: error {:.6g}", what, std::sqrt(result.sse / static_cast<double>(targets)));
+  if (validation != nullptr)
+    text += fmt::format(", validation {:.6g}",
+                        std::sqrt(result.validation_sse / static_cast<double>(validation->targets())));
+  return text + fmt::format(" after {} iterations; {}", result.iterations, result.stopped);
+}
+
+void warn(const Network& network, const MatrixXd& x, const TrainingResult& result, Index targets,
+          std::vector<std::string>& warnings) {
+  if (network.parameters() > targets)
+    warnings.push_back(fmt::format("There are {} weights for {} targets; weight decay or fewer neurons are needed.",
+                                   network.parameters(), targets));
+  if (result.ill_conditioned)
+    warnings.emplace_back(
+        "The normal equations were singular; Gauss-Newton left directions out that the data do not "
+        "determine.");
+  // A hidden neuron whose slope is nowhere above 1 % of its greatest does no work.
+  const Layer& first = network.layers.front();
+  if (network.layers.size() < 2 || first.activation == Activation::linear) return;
+  const MatrixXd sums =
+      (x * first.w.leftCols(first.inputs()).transpose()).rowwise() + first.w.col(first.inputs()).transpose();
+  int saturated = 0;
+  for (Index i = 0; i < first.neurons(); ++i) {
+    if (first.w.row(i).isZero(0)) continue;  // pruned
+    double greatest = 0;
+    for (Index k = 0; k < sums.rows(); ++k) {
+      const double s = sums(k, i);
+      greatest = std::max(greatest, std::fabs(slope(first.activation, s, activate(first.activation, s))));
+    }
+    const double full = first.activation == Activation::sigmoid ? 0.25 : 1;
+    saturated += greatest < 0.01 * full ? 1 : 0;
+  }
+  if (saturated > 0)
+    warnings.push_back(
+        fmt::format("{} of {} neurons of the first layer are saturated for all data.", saturated, first.neurons()));
+}
+
+// What a fit works on: all numbers normalised.
+struct Task {
+  Scaling x, y;
+  MatrixXd X, Y;  // normalised rows
+  std::optional<MatrixXd> X_validation, Y_validation;
+  const Training* simulation = nullptr;
+  const Training* simulation_validation = nullptr;
+};
+
+Task normalised(const MatrixXd& X, const MatrixXd& Y, bool normalise) {
+  Task task;
+  task.x = normalise ? standard_scaling(X) : no_scaling(X.cols());
+  task.y = normalise ? standard_scaling(Y) : no_scaling(Y.cols());
+  task.X = task.x.normalised(X);
+  task.Y = task.y.normalised(Y);
+  return task;
+}
+
+MlpFit fit_task(const Task& task, const Network& shape, const std::vector<VectorXd>& starts, const MlpOptions& options,
+                const FitControl& control) {
+  const StaticTraining training(shape, task.X, task.Y);
+  std::optional<StaticTraining> validation;
+  if (task.X_validation) validation.emplace(shape, *task.X_validation, *task.Y_validation);
+  const Training* check = validation ? &*validation : nullptr;
+  const int count = static_cast<int>(starts.size());
+  const int later = task.simulation != nullptr ? std::min(options.refined, count) : 0;
+  Watch watch(control, static_cast<double>(count + later) * options.training.iterations);
+
+  std::vector<TrainingResult> results(starts.size());
+  parallel_for(count, options.threads, [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    results[at] = train(training, starts[at], options.training, watch, check);
+    watch.skip(options.training.iterations - results[at].iterations);
+  });
+
+  MlpFit fit;
+  FitReport& report = fit.report;
+  report.method =
+      fmt::format("{}{}", name_of(options.training.method), task.simulation != nullptr ? ", through time" : "");
+  report.samples = task.X.rows();
+  report.parameters = shape.parameters();
+  report.seed = options.seed;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    report.tried.push_back(line(fmt::format("start {}", i + 1), results[i], training.targets(), check));
+    fit.errors.push_back(
+        std::isfinite(results[i].sse) ? std::sqrt(results[i].sse / static_cast<double>(training.targets())) : infinite);
+  }
+
+  Index targets = training.targets();
+  if (later > 0) {
+    std::vector<int> order(results.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+      return score(results[static_cast<std::size_t>(a)], check != nullptr) <
+             score(results[static_cast<std::size_t>(b)], check != nullptr);
+    });
+    check = task.simulation_validation;
+    std::vector<TrainingResult> refined(static_cast<std::size_t>(later));
+    parallel_for(later, options.threads, [&](int i) {
+      const auto at = static_cast<std::size_t>(i);
+      const TrainingResult& before = results[static_cast<std::size_t>(order[at])];
+      refined[at] = train(*task.simulation, before.theta, options.training, watch, check);
+    });
+    targets = task.simulation->targets();
+    for (std::size_t i = 0; i < refined.size(); ++i)
+      report.tried.push_back(line(fmt::format("start {}, simulated", order[i] + 1), refined[i], targets, check));
+    results = std::move(refined);
+  }
+  const int best = best_of(results, check != nullptr);
+  fit.training = results[static_cast<std::size_t>(best)];
+  if (!std::isfinite(score(fit.training, check != nullptr)))
+    fail("no start led to a finite error; the data may be too large, or the simulated model unstable from the start");
+  Network network = shape;
+  network.set_theta(fit.training.theta);
+  report.reached = fit.training.sse / static_cast<double>(targets);
+  report.iterations = fit.training.iterations;
+  report.stopped = fit.training.stopped;
+  warn(network, task.X, fit.training, targets, report.warnings);
+  for (Index c = 0; c < task.X.cols(); ++c) {
+    if ((task.X.col(c).array() == task.X(0, c)).all())
+      report.warnings.push_back(fmt::format("Input {} is constant, so its weights are not determined.", c + 1));
+  }
+  fit.model = std::make_shared<Mlp>(std::move(network), task.x, task.y);
+  return fit;
+}
+
+std::vector<VectorXd> random_starts(Network shape, const MlpOptions& options) {
+  std::vector<VectorXd> starts;
+  for (int i = 0; i < options.starts; ++i) {
+    Random random = random_of_start(options.seed, i);
+    randomise(shape, options.spread, random);
+    starts.push_back(shape.theta());
+  }
+  return starts;
+}
+
+Network shape_for(Index inputs, Index outputs, const MlpOptions& options) {
+  return make_network(static_cast<int>(inputs), options.hidden, static_cast<int>(outputs), options.activation,
+                      options.output_activation);
+}
+
+}  // namespace
+
+MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MlpOptions& options, const FitControl& control) {
+  check_options(options);
+  check_rows(X, Y);
+  const Network shape = shape_for(X.cols(), Y.cols(), options);
+  return fit_task(normalised(X, Y, options.normalise), shape, random_starts(shape, options), options, control);
+}
+
+MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MatrixXd& X_validation, const MatrixXd& Y_validation,
+               const MlpOptions& options, const FitControl& control) {
+  check_options(options);
+  check_rows(X, Y);
+  check_rows(X_validation, Y_validation);
+  if (X.cols() != X_validation.cols() || Y.cols() != Y_validation.cols())
+    fail("the validation data has {} inputs and {} outputs, the data {} and {}", X_validation.cols(),
+         Y_validation.cols(), X.cols(), Y.cols());
+  const Network shape = shape_for(X.cols(), Y.cols(), options);
+  Task task = normalised(X, Y, options.normalise);
+  task.X_validation = task.x.normalised(X_validation);
+  task.Y_validation = task.y.normalised(Y_validation);
+  return fit_task(task, shape, random_starts(shape, options), options, control);
+}
+
+NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, const DataSet& validation,
+                        const MlpOptions& options, const FitControl& control) {
+  check_options(options);
+  const Regression rows = make_regression(data, regressors);
+  check_rows(rows.X, rows.Y);
+  const Network shape = shape_for(rows.X.cols(), rows.Y.cols(), options);
+  Task task = normalised(rows.X, rows.Y, options.normalise);
+  const bool validated = !validation.experiments.empty();
+  if (validated) {
+    const Regression held = make_regression(validation, regressors);
+    task.X_validation = task.x.normalised(held.X);
+    task.Y_validation = task.y.normalised(held.Y);
+  }
+  std::optional<SimulationTraining> simulation, simulation_validation;
+  if (options.simulation) {
+    task.simulation = &simulation.emplace(shape, task.x, task.y, regressors, data);
+    if (validated)
+      task.simulation_validation = &simulation_validation.emplace(shape, task.x, task.y, regressors, validation);
+  }
+  MlpFit fit = fit_task(task, shape, random_starts(shape, options), options, control);
+  if (rows.left_out > 0)
+    fit.report.warnings.push_back(fmt::format("{} rows with missing values were left out.", rows.left_out));
+  return {make_narx(fit.model, regressors, data, fit.report), fit};
+}
+
+NarxMlpFit refine_narx_mlp(const DataSet& data, const RegressorSet& regressors, const Mlp& map,
+                           const MlpOptions& options, bool keep_zeros, const FitControl& control) {
+  check_options(options);
+  const Regression rows = make_regression(data, regressors);
+  Task task;
+  task.x = map.x_scaling();
+  task.y = map.y_scaling();
+  if (rows.X.cols() != task.x.size() || rows.Y.cols() != task.y.size())
+    fail("the model has {} inputs and {} outputs, the regressors give {} and {}", task.x.size(), task.y.size(),
+         rows.X.cols(), rows.Y.cols());
+  task.X = task.x.normalised(rows.X);
+  task.Y = task.y.normalised(rows.Y);
+  const VectorXd start = map.network().theta();
+  MlpOptions how = options;
+  if (keep_zeros) {
+    how.training.fixed.assign(static_cast<std::size_t>(start.size()), false);
+    for (Index i = 0; i < start.size(); ++i) how.training.fixed[static_cast<std::size_t>(i)] = start[i] == 0;
+  }
+  std::optional<SimulationTraining> simulation;
+  if (options.simulation) {
+    task.simulation = &simulation.emplace(map.network(), task.x, task.y, regressors, data);
+    // The start is what shall be refined, not what one-step training makes of it.
+    Watch watch(control, how.training.iterations);
+    MlpFit fit;
+    fit.training = train(*task.simulation, start, how.training, watch);
+    Network network = map.network();
+    network.set_theta(fit.training.theta);
+    const auto targets = task.simulation->targets();
+    fit.report.method = name_of(how.training.method) + ", through time";
+    fit.report.samples = task.X.rows();
+    fit.report.parameters = network.parameters();
+    fit.report.tried.push_back(line("the given model", fit.training, targets, nullptr));
+    fit.report.reached = fit.training.sse / static_cast<double>(targets);
+    fit.report.iterations = fit.training.iterations;
+    fit.report.stopped = fit.training.stopped;
+    warn(network, task.X, fit.training, targets, fit.report.warnings);
+    fit.errors = {std::sqrt(fit.report.reached)};
+    fit.model = std::make_shared<Mlp>(std::move(network), task.x, task.y);
+    return {make_narx(fit.model, regressors, data, fit.report), fit};
+  }
+  MlpFit fit = fit_task(task, map.network(), {start}, how, control);
+  return {make_narx(fit.model, regressors, data, fit.report), fit};
+}
+
+}  // namespace plantloop::identify

@@ -1,0 +1,126 @@
+// Prediction and free run of a learned map, and its file.
+
+#include "identify/narx/narx.h"
+
+#include <cmath>
+#include <limits>
+
+#include "identify/error.h"
+#include "identify/model_file/model_file.h"
+#include "identify/narx/regressor_row.h"
+
+namespace plantloop::identify {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+void check_channels(const NarxModel& model, const DataSet& data) {
+  if (data.inputs.size() != model.regressors.inputs.size() || data.outputs.size() != model.regressors.outputs.size())
+    fail("the model has {} inputs and {} outputs, the data {} and {}", model.regressors.inputs.size(),
+         model.regressors.outputs.size(), data.inputs.size(), data.outputs.size());
+}
+
+// Samples [k from longest lag) through the map; `y` gives the past and, when running free, takes the results.
+MatrixXd run(const NarxModel& model, const Experiment& experiment, bool feed_back) {
+  const Index first = std::min<Index>(model.regressors.longest_lag(), experiment.samples());
+  MatrixXd y = experiment.y;
+  MatrixXd result = MatrixXd::Constant(y.rows(), y.cols(), std::numeric_limits<double>::quiet_NaN());
+  if (feed_back) result.topRows(first) = y.topRows(first);
+  std::vector<double> scratch(static_cast<std::size_t>(model.map->scratch_size()));
+  VectorXd x(model.map->inputs()), out(model.map->outputs());
+  for (Index k = first; k < y.rows(); ++k) {
+    fill_row(model.regressors, experiment.u, y, k, x.data());
+    if (!feed_back && !x.allFinite()) continue;
+    model.map->evaluate(x.data(), out.data(), scratch.data());
+    result.row(k) = out.transpose();
+    if (feed_back) y.row(k) = out.transpose();
+  }
+  return result;
+}
+
+}  // namespace
+
+NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regressors, const DataSet& data,
+                    FitReport fit) {
+  if (map->inputs() != regressors.size())
+    fail("the map has {} inputs, but there are {} regressors", map->inputs(), regressors.size());
+  if (map->outputs() != static_cast<int>(regressors.outputs.size()))
+    fail("the map has {} outputs, but the model {}", map->outputs(), regressors.outputs.size());
+  NarxModel model{
+      std::move(map), std::move(regressors), {}, data.experiments.empty() ? Item() : data_item(data), std::move(fit)};
+  model.channels.Ts = data.Ts;
+  model.channels.inputs = data.inputs;
+  model.channels.outputs = data.outputs;
+  return model;
+}
+
+Outputs one_step(const NarxModel& model, const DataSet& data) {
+  check_channels(model, data);
+  Outputs outputs;
+  for (const Experiment& experiment : data.experiments) outputs.push_back(run(model, experiment, false));
+  return outputs;
+}
+
+Outputs simulate(const NarxModel& model, const DataSet& data) {
+  check_channels(model, data);
+  const Index first = model.regressors.longest_lag();
+  Outputs outputs;
+  for (const Experiment& experiment : data.experiments) {
+    if (!experiment.u.allFinite() || !experiment.y.topRows(std::min(first, experiment.samples())).allFinite())
+      fail("a simulation needs every input, and every output of the first {} samples; values are missing", first);
+    outputs.push_back(run(model, experiment, true));
+  }
+  return outputs;
+}
+
+std::string to_yaml(const NarxModel& model) {
+  Item item;
+  Item data = model.data;
+  if (data.keys().empty()) {
+    data.set("Ts", model.channels.Ts);
+    for (const auto& [key, channels] :
+         {std::pair("inputs", &model.channels.inputs), std::pair("outputs", &model.channels.outputs)}) {
+      Item list = Item::list();
+      for (const Channel& channel : *channels) {
+        Item entry = Item().set("name", channel.name);
+        if (!channel.unit.empty()) entry.set("unit", channel.unit);
+        list.add(entry);
+      }
+      data.set(key, list);
+    }
+  }
+  item.set("data", data).set("regressors", to_text(model.regressors));
+  model.map->write(item);
+  if (!model.fit.method.empty()) item.set("fit", to_item(model.fit));
+  return to_yaml(model.map->type(), item);
+}
+
+NarxModel read_narx(const Item& item) {
+  NarxModel model;
+  model.map = read_approximator(item);
+  model.data = item.at("data");
+  model.channels = channels_of(model.data);
+  std::vector<std::string> inputs, outputs;
+  for (const Channel& channel : model.channels.inputs) inputs.push_back(channel.name);
+  for (const Channel& channel : model.channels.outputs) outputs.push_back(channel.name);
+  try {
+    model.regressors = parse_regressors(item.text("regressors"), inputs, outputs);
+  } catch (const IdentifyError& error) {
+    item.at("regressors").wrong(error.what());
+  }
+  if (model.map->inputs() != model.regressors.size())
+    item.at("regressors")
+        .wrong(fmt::format("there are {} regressors, but the map has {} inputs", model.regressors.size(),
+                           model.map->inputs()));
+  if (model.map->outputs() != static_cast<int>(outputs.size()))
+    model.data.at("outputs").wrong(
+        fmt::format("there are {} outputs, but the map has {}", outputs.size(), model.map->outputs()));
+  if (!(model.channels.Ts > 0)) model.data.at("Ts").wrong("the sampling time must be greater than 0 s");
+  if (item.has("fit")) model.fit = fit_report_of(item.at("fit"));
+  return model;
+}
+
+}  // namespace plantloop::identify
