@@ -11,6 +11,7 @@
 #include "engine/program/lower.h"
 #include "engine/program/program.h"
 #include "engine/program/resolve.h"
+#include "engine/program/solve_loop.h"
 #include "engine/program/unroll.h"
 
 namespace plantloop {
@@ -32,7 +33,7 @@ std::vector<std::uint32_t> states_read(const OperationGraph& graph, std::uint32_
       states.push_back(o.a);
       continue;
     }
-    if (!o.is_continuous() || is_leaf(o.op) || o.op == Op::kernel) continue;
+    if (!o.is_continuous() || is_leaf(o.op) || is_compound(o.op)) continue;
     const int arity = arity_of(o.op);
     if (arity > 2) stack.push_back(o.c);
     if (arity > 1) stack.push_back(o.b);
@@ -81,8 +82,8 @@ std::vector<std::uint32_t> order_states(const Resolved& resolved) {
     const Operation& o = resolved.graph.operations[id];
     if (!o.is_continuous() || is_leaf(o.op)) continue;
     std::uint32_t below = 0;
-    if (o.op == Op::kernel) {
-      for (const auto i : resolved.graph.kernels[o.a].inputs) below = std::max(below, depth[i]);
+    if (is_compound(o.op)) {
+      for (const auto i : resolved.graph.operands_of_compound(id)) below = std::max(below, depth[i]);
     } else {
       const int arity = arity_of(o.op);
       below = depth[o.a];
@@ -103,7 +104,11 @@ std::vector<std::uint32_t> order_states(const Resolved& resolved) {
 class Compiler {
  public:
   Compiler(const Record& record, const CompileOptions& options, std::shared_ptr<Resolved> resolved)
-      : record_(record), options_(options), resolved_(std::move(resolved)), graph_(resolved_->graph) {}
+      : record_(record),
+        options_(options),
+        resolved_(std::move(resolved)),
+        graph_(resolved_->graph),
+        recorded_loops_(resolved_->graph.loops.size()) {}
 
   std::shared_ptr<const Program> compile() {
     program_ = std::make_shared<Program>();
@@ -114,8 +119,10 @@ class Compiler {
     const std::vector<std::uint32_t> step_roots = unrolled_step();
 
     Lowering slots(graph_);
+    place_loops(slots);
     lower_continuous(slots, jacobian, step_roots);
     lower_held(slots);
+    lower_loops(slots);
     lower_parameters(slots);
     finish_arena(slots);
     describe();
@@ -210,6 +217,10 @@ class Compiler {
     derivatives.pinned = slots.allocate(n, 8);
     program_->derivative_list = slots.lower(derivatives);
     if (n == 0) program_->derivative_list = {};
+    for (const Loop& loop : graph_.loops) {  // their leaves are read by the derivatives too
+      if (loop.initial || loop.by_hand || !is_continuous(loop)) continue;
+      for (const auto leaf : loop.leaves) slots.slot(leaf);
+    }
     for (std::uint32_t id = 0; id < graph_.operations.size(); ++id) {
       const Operation& o = graph_.operations[id];
       if (slots.has_slot(id) && !o.is_continuous() && !o.is_parameter_only()) {
@@ -235,6 +246,12 @@ class Compiler {
       advances.insert(advances.end(), resolved_->advance_inputs[k].begin(), resolved_->advance_inputs[k].end());
     }
     program_->advance_list = plain(advances);
+    std::vector<std::uint32_t> unknowns;
+    for (std::size_t k = 0; k < recorded_loops_; ++k) {
+      const Loop& loop = graph_.loops[k];
+      if (!loop.initial && !loop.by_hand && is_continuous(loop)) unknowns.push_back(loop.unknowns[0].operation);
+    }
+    program_->loop_list = plain(unknowns);
     lower_jacobian(slots, jacobian);
 
     Lowering::Request initial;
@@ -296,6 +313,68 @@ class Compiler {
       }
     }
     has_advance_inputs_ = true;
+  }
+
+  bool is_continuous(const Loop& loop) const { return graph_.operations[loop.operation].is_continuous(); }
+
+  // Where the unknowns of each loop stand, and what is copied for it.
+  void place_loops(Lowering& slots) {
+    for (std::uint32_t k = 0; k < graph_.loops.size(); ++k) {
+      const Loop& loop = graph_.loops[k];
+      const auto n = static_cast<std::uint32_t>(loop.unknowns.size());
+      Program::Loop placed;
+      placed.path = loop.path;
+      placed.site = loop.site;
+      placed.initial = loop.initial;
+      placed.exact = loop.exact;
+      placed.affine = loop.affine;
+      placed.constant = loop.constant;
+      placed.mask = graph_.operations[loop.operation].mask;
+      placed.unknowns = slots.allocate(n);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        placed.names.push_back(loop.unknowns[i].name);
+        slots.set_home(loop.unknowns[i].operation, placed.unknowns + i);
+      }
+      slots.set_loop_inputs(k, slots.allocate(static_cast<std::uint32_t>(loop.inputs.size())));
+      placed.first_value = program_->loop_value_count;
+      program_->loop_value_count += n;
+      placed.first_room = program_->loop_room_size;
+      program_->loop_room_size += static_cast<std::uint32_t>(loop_room(n));
+      program_->loops.push_back(std::move(placed));
+    }
+  }
+
+  // The insides of the loops: what depends on the unknowns, and what the Jacobian adds.
+  void lower_loops(Lowering& slots) {
+    for (std::uint32_t k = 0; k < graph_.loops.size(); ++k) {
+      const Loop& loop = graph_.loops[k];
+      Program::Loop& placed = program_->loops[k];
+      if (loop.by_hand) {
+        program_->pivots.push_back({slots.slot(loop.jacobian[0].value), loop.path, loop.site});
+        continue;
+      }
+      Lowering::Request request;
+      request.held_is_external = false;
+      for (std::uint32_t i = 0; i < loop.unknowns.size(); ++i) {
+        const Loop::Unknown& unknown = loop.unknowns[i];
+        request.roots.push_back(unknown.residual);
+        request.given.emplace_back(unknown.operation, placed.unknowns + i);
+        const auto bound = [&](std::uint32_t id) { return id == Loop::none ? no_slot : slots.slot(id); };
+        placed.lower.push_back(bound(unknown.lower));
+        placed.upper.push_back(bound(unknown.upper));
+        placed.guess.push_back(bound(unknown.guess));
+      }
+      for (std::uint32_t i = 0; i < loop.inputs.size(); ++i)
+        request.given.emplace_back(loop.inputs[i], slots.loop_inputs(k) + i);
+      placed.residual_list = slots.lower(request);
+      request.roots.clear();
+      for (const Loop::Entry& entry : loop.jacobian) {
+        request.roots.push_back(entry.value);
+        placed.row.push_back(entry.row);
+        placed.column.push_back(entry.column);
+      }
+      if (!request.roots.empty()) placed.jacobian_list = slots.lower(request);
+    }
   }
 
   void lower_parameters(Lowering& slots) {
@@ -398,6 +477,7 @@ class Compiler {
   const CompileOptions& options_;
   std::shared_ptr<Resolved> resolved_;
   OperationGraph& graph_;
+  std::size_t recorded_loops_;  // those that follow belong to the Jacobian
   std::shared_ptr<Program> program_;
   std::vector<std::uint32_t> guard_roots_;
   std::vector<std::uint32_t> advance_order_;  // kernels of the Record in the order of resolved_->advance_inputs
@@ -413,7 +493,8 @@ std::shared_ptr<const Program> compile(const Record& record, const CompileOption
                  most_rates);
     return nullptr;
   }
-  auto resolved = std::make_shared<Resolved>(resolve(record, options.watches, options.numbers, report));
+  auto resolved =
+      std::make_shared<Resolved>(resolve(record, options.watches, options.numbers, options.loops_are_errors, report));
   if (report.error_count() > errors) return nullptr;
   const SinkInCharge charge(resolved->graph);
   resolved->graph.make_modes = false;

@@ -5,6 +5,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "engine/program/loop_parts.h"
 
 namespace plantloop {
 
@@ -96,21 +101,29 @@ Value partial(const OperationGraph& graph, const Operation& o, Value result, int
 
 class Differentiator {
  public:
-  Differentiator(OperationGraph& graph, Op op, std::vector<std::uint32_t>& opaque)
-      : graph_(graph), op_(op), opaque_(opaque), charge_(graph), original_(graph.operations.size()) {
+  // `columns` gives the column of each leaf among the operations from `base` on, else `none`. Nothing before the base
+  // depends on a leaf. `only_continuous`: what is held does not move with the leaves.
+  Differentiator(OperationGraph& graph, std::uint32_t base, std::vector<std::uint32_t> columns, bool only_continuous,
+                 std::vector<std::uint32_t>& opaque)
+      : graph_(graph),
+        base_(base),
+        column_(std::move(columns)),
+        only_continuous_(only_continuous),
+        opaque_(opaque),
+        charge_(graph) {
     graph_.make_modes = false;
-    graph_.rate = 0;
     graph_.activation = 0;
-    reaches_.assign(original_, false);
-    for (std::uint32_t i = 0; i < original_; ++i) reaches_[i] = reaches_leaf(i);
-    adjoint_.resize(original_);
-    has_adjoint_.assign(original_, false);
-    may_be_off_.assign(original_, false);
+    reaches_.assign(column_.size(), false);
+    for (std::uint32_t i = 0; i < column_.size(); ++i) reaches_[i] = reaches_leaf(base_ + i);
+    adjoint_.resize(column_.size());
+    has_adjoint_.assign(column_.size(), false);
+    may_be_off_.assign(column_.size(), false);
   }
 
   void row(std::uint32_t row, std::uint32_t root, std::vector<Partial>& result) {
-    if (!reaches_[root]) return;
+    if (!reaches(root)) return;
     heap_.clear();
+    closed_.clear();
     add(root, Value(1));
     const std::size_t first = result.size();
     // Operations stand after their operands, so the largest index comes first.
@@ -118,49 +131,80 @@ class Differentiator {
       std::pop_heap(heap_.begin(), heap_.end());
       const std::uint32_t id = heap_.back();
       heap_.pop_back();
-      has_adjoint_[id] = false;
-      const Value adjoint = adjoint_[id];
-      is_off_ = may_be_off_[id];
+      has_adjoint_[id - base_] = false;
+      const Value adjoint = adjoint_[id - base_];
+      is_off_ = may_be_off_[id - base_];
       const Operation o = graph_.operations[id];
-      if (o.op == op_) {
-        result.push_back({row, o.a, adjoint});
-        continue;
+      if (column_[id - base_] != none) {
+        result.push_back({row, column_[id - base_], adjoint});
+      } else if (o.op == Op::unknown) {
+        wanted_[o.a].emplace_back(o.b, adjoint);
+        add(o.a, Value(1));  // to be there when all its unknowns have been
+      } else if (o.op == Op::loop) {
+        spread_loop(id, o.a);
+      } else {
+        spread(id, o, adjoint);
       }
-      spread(id, o, adjoint);
     }
     std::sort(result.begin() + static_cast<std::ptrdiff_t>(first), result.end(),
               [](const Partial& x, const Partial& y) { return x.column < y.column; });
   }
 
  private:
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  bool reaches(std::uint32_t id) const { return id >= base_ && reaches_[id - base_]; }
+
   bool reaches_leaf(std::uint32_t id) const {
     const Operation& o = graph_.operations[id];
-    if (o.op == op_) return true;
+    if (column_[id - base_] != none) return true;
     if (is_leaf(o.op)) return false;
-    if (op_ == Op::state && !o.is_continuous()) return false;  // held: what was sampled does not move with the state
-    if (o.op == Op::kernel) {
-      for (const auto i : graph_.kernels[o.a].inputs) {
-        if (reaches_[i]) return true;
-      }
-      return false;
+    if (only_continuous_ && !o.is_continuous()) return false;
+    if (is_compound(o.op)) {
+      const auto operands = graph_.operands_of_compound(id);
+      return std::any_of(operands.begin(), operands.end(), [this](std::uint32_t i) { return reaches(i); });
     }
     const int arity = arity_of(o.op);
-    return reaches_[o.a] || (arity > 1 && reaches_[o.b]) || (arity > 2 && reaches_[o.c]);
+    return reaches(o.a) || (arity > 1 && reaches(o.b)) || (arity > 2 && reaches(o.c));
   }
 
   void add(std::uint32_t id, Value contribution) {
-    if (!reaches_[id] || contribution.is(0)) return;
+    if (!reaches(id) || contribution.is(0)) return;
+    if (graph_.operations[id].op == Op::unknown && closed_.contains(graph_.operations[id].a)) return;
+    const std::uint32_t at = id - base_;
     const bool selects = is_off_ || is_where(contribution);
-    if (has_adjoint_[id]) {
-      adjoint_[id] = total(adjoint_[id], contribution);
-      may_be_off_[id] = may_be_off_[id] || selects;
+    if (has_adjoint_[at]) {
+      adjoint_[at] = total(adjoint_[at], contribution);
+      may_be_off_[at] = may_be_off_[at] || selects;
       return;
     }
-    has_adjoint_[id] = true;
-    may_be_off_[id] = selects;
-    adjoint_[id] = contribution;
+    has_adjoint_[at] = true;
+    may_be_off_[at] = selects;
+    adjoint_[at] = contribution;
     heap_.push_back(id);
     std::push_heap(heap_.begin(), heap_.end());
+  }
+
+  // The equations F(u, p) = 0 of a loop give du = -(dF/du)^-1 dF/dp dp (implicit function theorem): what is wanted of
+  // the unknowns goes over to the equations, with the unknowns fixed from here on.
+  void spread_loop(std::uint32_t id, std::uint32_t index) {
+    closed_.insert(id);
+    const std::vector<std::pair<std::uint32_t, Value>> wanted = std::move(wanted_[id]);
+    wanted_.erase(id);
+    if (!graph_.loops[index].exact) {
+      opaque_.push_back(graph_.loops[index].site);
+      return;
+    }
+    const RateIndex rate = graph_.rate;
+    if (!inverses_.contains(index)) inverses_.emplace(index, inverse_jacobian(graph_, index));
+    graph_.rate = rate;
+    const std::vector<Value>& inverse = inverses_.at(index);
+    const std::size_t n = graph_.loops[index].unknowns.size();
+    for (std::size_t j = 0; j < n; ++j) {
+      Value multiplier = 0;
+      for (const auto& [i, adjoint] : wanted) multiplier = multiplier + product(adjoint, inverse[i * n + j]);
+      add(graph_.loops[index].unknowns[j].residual, -multiplier);
+    }
   }
 
   void spread(std::uint32_t id, const Operation& o, Value adjoint) {
@@ -177,14 +221,12 @@ class Differentiator {
     }
     const std::uint32_t operands[3] = {o.a, o.b, o.c};
     for (int k = 0; k < arity_of(o.op); ++k) {
-      if (!reaches_[operands[k]]) continue;
+      if (!reaches(operands[k])) continue;
       add(operands[k], product(adjoint, partial(graph_, o, Value::node(id), k)));
     }
   }
 
-  Value operand(std::uint32_t id) const {
-    return graph_.operations[id].op == Op::constant ? Value(graph_.constant(id)) : Value::node(id);
-  }
+  Value operand(std::uint32_t id) const { return value_of(graph_, id); }
 
   bool is_where(Value v) const { return !v.is_known() && graph_.operations[v.id()].op == Op::where; }
 
@@ -213,27 +255,53 @@ class Differentiator {
   }
 
   OperationGraph& graph_;
-  Op op_;
+  std::uint32_t base_;
+  std::vector<std::uint32_t> column_;
+  bool only_continuous_;
   std::vector<std::uint32_t>& opaque_;
   SinkInCharge charge_;
-  std::size_t original_;
   std::vector<bool> reaches_;
   std::vector<Value> adjoint_;
   std::vector<bool> has_adjoint_;
   std::vector<bool> may_be_off_;  // the adjoint is zero when a `where` does not take the operation's side
   bool is_off_ = false;           // that of the operation at hand
   std::vector<std::uint32_t> heap_;
+  std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, Value>>> wanted_;  // per loop: of its unknowns
+  std::set<std::uint32_t> closed_;                        // loops whose unknowns are fixed in this row
+  std::map<std::uint32_t, std::vector<Value>> inverses_;  // of the loops' Jacobians
 };
+
+void sort_opaque(std::vector<std::uint32_t>& opaque) {
+  std::sort(opaque.begin(), opaque.end());
+  opaque.erase(std::unique(opaque.begin(), opaque.end()), opaque.end());
+}
 
 }  // namespace
 
 std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std::uint32_t>& roots, Op op,
                                    std::vector<std::uint32_t>& opaque) {
-  Differentiator differentiator(graph, op, opaque);
+  std::vector<std::uint32_t> columns(graph.operations.size(), 0xffffffff);
+  for (std::uint32_t id = 0; id < columns.size(); ++id) {
+    if (graph.operations[id].op == op) columns[id] = graph.operations[id].a;
+  }
+  graph.rate = 0;
+  Differentiator differentiator(graph, 0, std::move(columns), op == Op::state, opaque);
   std::vector<Partial> result;
   for (std::uint32_t row = 0; row < roots.size(); ++row) differentiator.row(row, roots[row], result);
-  std::sort(opaque.begin(), opaque.end());
-  opaque.erase(std::unique(opaque.begin(), opaque.end()), opaque.end());
+  sort_opaque(opaque);
+  return result;
+}
+
+std::vector<Partial> differentiate_by(OperationGraph& graph, const std::vector<std::uint32_t>& roots,
+                                      const std::vector<std::uint32_t>& leaves, std::vector<std::uint32_t>& opaque) {
+  if (leaves.empty()) return {};
+  const std::uint32_t base = *std::min_element(leaves.begin(), leaves.end());
+  std::vector<std::uint32_t> columns(graph.operations.size() - base, 0xffffffff);
+  for (std::uint32_t i = 0; i < leaves.size(); ++i) columns[leaves[i] - base] = i;
+  Differentiator differentiator(graph, base, std::move(columns), false, opaque);
+  std::vector<Partial> result;
+  for (std::uint32_t row = 0; row < roots.size(); ++row) differentiator.row(row, roots[row], result);
+  sort_opaque(opaque);
   return result;
 }
 
@@ -244,8 +312,7 @@ std::uint32_t slope(OperationGraph& graph, std::uint32_t operation, const std::v
   std::vector<Partial> partials = differentiate(graph, {operation}, Op::state, opaque);
   const SinkInCharge charge(graph);
   for (const Partial& p : partials) {
-    const std::uint32_t id = derivatives[p.column];
-    terms.push_back(p.value * (graph.operations[id].op == Op::constant ? Value(graph.constant(id)) : Value::node(id)));
+    terms.push_back(p.value * value_of(graph, derivatives[p.column]));
   }
   return graph.id_of(sum(terms));
 }

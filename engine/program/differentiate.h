@@ -19,12 +19,17 @@ struct Partial {
 // d roots[row] / d leaf, where a leaf is an operation of kind `op` and `column` its index (Op::state: the index of a
 // state), in order of rows, columns ascending; entries that are zero by structure do not appear. Modes are frozen: the
 // partials of min, max, abs and where are those of the active side. `opaque` receives the sites of kernels whose
-// derivative is not known; their contribution is missing.
+// derivative is not known; their contribution is missing. Loops are differentiated at their solution.
 std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std::uint32_t>& roots, Op op,
                                    std::vector<std::uint32_t>& opaque);
 
 // The derivative of an operation by time along the run, where `derivatives` are those of the states: d/dt + sum of
 // x_i' d/dx_i, modes frozen and held values constant. Kernels count as constant.
 std::uint32_t slope(OperationGraph& graph, std::uint32_t operation, const std::vector<std::uint32_t>& derivatives);
+
+// The same by these operations instead of leaves; `column` is a place among them. Whatever was made before the first of
+// them does not depend on it. Operations are made at the graph's present rate.
+std::vector<Partial> differentiate_by(OperationGraph& graph, const std::vector<std::uint32_t>& roots,
+                                      const std::vector<std::uint32_t>& leaves, std::vector<std::uint32_t>& opaque);
 
 }  // namespace plantloop

@@ -12,6 +12,7 @@
 
 #include "engine/base/vectors.h"
 #include "engine/program/program.h"
+#include "engine/program/solve_loop.h"
 
 namespace plantloop {
 
@@ -192,6 +193,15 @@ void run_kernels(const List& list, const Segment& segment, double* arena, Kernel
   }
 }
 
+void run_loops(const List& list, const Segment& segment, double* arena, KernelFrame* frame) {
+  assert(frame != nullptr);
+  for (std::uint32_t i = segment.first; i < segment.first + segment.count; ++i) {
+    const LoopStep& step = list.loops[i];
+    for (std::uint32_t j = 0; j < step.input_count; ++j) arena[step.to + j] = arena[list.gathers[step.inputs + j]];
+    solve_loop(frame->program->loops[step.loop], arena, *frame);
+  }
+}
+
 // `chained`: narrow parts by tail calls; `grouped`: wide parts by the loops of the table. Neither: operation by
 // operation.
 template <bool chained, bool grouped>
@@ -216,6 +226,9 @@ void run(const List& list, double* arena, KernelFrame* kernels, std::uint64_t bi
         break;
       case Segment::Kind::kernels:
         run_kernels(list, segment, arena, kernels);
+        break;
+      case Segment::Kind::loops:
+        run_loops(list, segment, arena, kernels);
         break;
     }
   }

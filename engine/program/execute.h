@@ -37,8 +37,14 @@ struct KernelStep {
   bool initial;                  // initialise its state from the advance inputs first
 };
 
+// Solves a loop: the slots of what it is given stand in List::gathers and are copied to `to`.
+struct LoopStep {
+  std::uint32_t loop;  // index into Program::loops
+  std::uint32_t inputs, input_count, to;
+};
+
 struct Segment {
-  enum class Kind : std::uint8_t { instructions, groups, kernels };
+  enum class Kind : std::uint8_t { instructions, groups, kernels, loops };
   Kind kind;
   std::uint32_t first, count;
   std::uint64_t mask;  // run when it shares a bit with the bits asked for
@@ -49,24 +55,27 @@ struct List {
   std::vector<Instruction> instructions;  // each part ends with an instruction that returns
   std::vector<GroupRun> groups;
   std::vector<KernelStep> kernels;
+  std::vector<LoopStep> loops;
   std::vector<std::uint32_t> gathers;
   std::vector<std::uint32_t> roots;  // slots of the results
   std::size_t operation_count = 0;
   bool empty() const { return segments.empty(); }
 };
 
-// What kernels need beside the arena; null where a list has none.
+// What kernels and loops need beside the arena; null where a list has none.
 struct KernelFrame {
   const struct Program* program = nullptr;
   double* states = nullptr;
   double* scratch = nullptr;
-  History* histories = nullptr;  // those of all kernels, in order
+  History* histories = nullptr;   // those of all kernels, in order
+  double* loop_values = nullptr;  // the last accepted values of all loops' unknowns: where the search begins
+  double* loop_room = nullptr;    // without meaning between runs
   bool left = false;
 };
 
 inline constexpr std::uint64_t every_bit = ~std::uint64_t{0};
 
-// Runs the parts of the list that share a bit with `bits` (or have none).
+// Runs the parts of the list that share a bit with `bits` (or have none). Throws LoopError when a loop has no solution.
 void execute(const List& list, double* arena, KernelFrame* kernels = nullptr, std::uint64_t bits = every_bit);
 // The same by one switch, operation by operation: the reference in tests, and what sanitizer builds run.
 void execute_by_switch(const List& list, double* arena, KernelFrame* kernels = nullptr, std::uint64_t bits = every_bit);

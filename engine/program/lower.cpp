@@ -48,6 +48,7 @@ class ListBuilder {
       : graph_(graph), slots_(slots), request_(request) {}
 
   List build() {
+    given_.insert(request_.given.begin(), request_.given.end());
     collect();
     pin_roots();
     if (request_.by_mask) spread_masks();
@@ -65,7 +66,7 @@ class ListBuilder {
  private:
   bool is_external(std::uint32_t id) const {
     const Operation& o = graph_.operations[id];
-    if (is_leaf(o.op)) return true;
+    if (is_leaf(o.op) || given_.contains(id)) return true;
     if (o.is_continuous()) return false;
     return o.is_parameter_only() ? request_.parameter_only_is_external : request_.held_is_external;
   }
@@ -88,9 +89,8 @@ class ListBuilder {
       seen[id] = true;
       needed.push_back(id);
       const Operation& o = graph_.operations[id];
-      if (o.op == Op::kernel) {
-        for (const auto i : graph_.kernels[o.a].inputs) stack.push_back(i);
-        for (const auto i : graph_.kernels[o.a].advance_inputs) stack.push_back(i);
+      if (is_compound(o.op)) {
+        for (const auto i : inputs_of(o)) stack.push_back(i);
         continue;
       }
       const int arity = arity_of(o.op);
@@ -111,9 +111,8 @@ class ListBuilder {
       if (local.arity > 0) local.operands[0] = reference(o.a);
       if (local.arity > 1) local.operands[1] = reference(o.b);
       if (local.arity > 2) local.operands[2] = reference(o.c);
-      if (o.op == Op::kernel) {
-        for (const auto i : graph_.kernels[o.a].inputs) local.kernel_inputs.push_back(reference(i));
-        for (const auto i : graph_.kernels[o.a].advance_inputs) local.kernel_inputs.push_back(reference(i));
+      if (is_compound(o.op)) {
+        for (const auto i : inputs_of(o)) local.kernel_inputs.push_back(reference(i));
       }
       operations_.push_back(std::move(local));
     }
@@ -123,9 +122,18 @@ class ListBuilder {
       });
   }
 
+  // Of a kernel or a loop: what is handed over to it.
+  std::vector<std::uint32_t> inputs_of(const Operation& o) const {
+    if (o.op == Op::loop) return graph_.loops[o.a].inputs;
+    std::vector<std::uint32_t> inputs = graph_.kernels[o.a].inputs;
+    const auto& advance = graph_.kernels[o.a].advance_inputs;
+    inputs.insert(inputs.end(), advance.begin(), advance.end());
+    return inputs;
+  }
+
   template <typename F>
   static void for_operands(const LocalOperation& o, F&& f) {
-    if (o.op == Op::kernel) {
+    if (is_compound(o.op)) {
       for (const Reference r : o.kernel_inputs) f(r);
       return;
     }
@@ -146,7 +154,7 @@ class ListBuilder {
         continue;
       }
       const auto slot = request_.pinned + static_cast<std::uint32_t>(i);
-      if (r.local && operations_[r.index].slot == none && operations_[r.index].op != Op::kernel_output) {
+      if (r.local && operations_[r.index].slot == none && !is_result(operations_[r.index].op)) {
         LocalOperation& o = operations_[r.index];
         o.slot = slot;
         o.is_root = true;
@@ -182,7 +190,7 @@ class ListBuilder {
     }
     for (LocalOperation& o : operations_) {
       const bool held = o.source != none && !graph_.operations[o.source].is_continuous();
-      if (!held || o.op == Op::kernel || o.op == Op::kernel_output || !slots_.has_slot(o.source)) continue;
+      if (!held || is_compound(o.op) || is_result(o.op) || !slots_.has_slot(o.source)) continue;
       o.slot = slots_.slot(o.source);
       o.is_root = true;  // it must exist by itself: others read it
       ++o.uses;
@@ -256,7 +264,7 @@ class ListBuilder {
       const LocalOperation& o = operations_[i];
       if (!groups_.empty()) {
         const LocalOperation& first = operations_[groups_.back().front()];
-        if (first.level == o.level && first.op == o.op && first.mask == o.mask && o.op != Op::kernel) {
+        if (first.level == o.level && first.op == o.op && first.mask == o.mask && !is_compound(o.op)) {
           groups_.back().push_back(i);
           continue;
         }
@@ -278,7 +286,7 @@ class ListBuilder {
       for (int operand = 0; operand < 3; ++operand) {
         for (const auto i : *group) {
           const LocalOperation& o = operations_[i];
-          if (o.op == Op::kernel) {
+          if (is_compound(o.op)) {
             if (operand == 0) {
               for (const Reference r : o.kernel_inputs) touch(r, next, external_key);
             }
@@ -309,7 +317,9 @@ class ListBuilder {
           // Its outputs stand side by side; kernel_output operations are names for them.
           o.slot = slots_.allocate(
               static_cast<std::uint32_t>(graph_.kernels[graph_.operations[o.source].a].kernel->outputs()));
-        } else if (o.op == Op::kernel_output) {
+        } else if (o.op == Op::unknown) {
+          o.slot = slots_.home(o.source);  // the loop writes them there
+        } else if (o.op == Op::loop || o.op == Op::kernel_output) {
           o.slot = none;
         } else if (o.slot == none) {
           o.slot = slots_.allocate(1);
@@ -318,12 +328,15 @@ class ListBuilder {
     }
     slots_.allocate(0, 8);
     for (const auto id : externals_) {
-      if (!slots_.has_slot(id)) slots_.slot(id);
+      if (!given_.contains(id) && !slots_.has_slot(id)) slots_.slot(id);
     }
   }
 
   std::uint32_t slot_of(Reference r) {
-    if (!r.local) return slots_.slot(r.index);
+    if (!r.local) {
+      const auto given = given_.find(r.index);
+      return given != given_.end() ? given->second : slots_.slot(r.index);
+    }
     LocalOperation& o = operations_[r.index];
     if (o.op == Op::kernel_output && o.slot == none) {
       o.slot = operations_[o.operands[0].index].slot + graph_.operations[o.source].b;
@@ -347,6 +360,11 @@ class ListBuilder {
         if (first.op == Op::kernel) {
           before_wide();
           emit_kernel(groups_[g].front());
+        } else if (first.op == Op::loop) {
+          before_wide();
+          emit_loop(groups_[g].front());
+        } else if (first.op == Op::unknown) {
+          continue;  // it stands in its slot
         } else if (first.op == Op::kernel_output) {
           for (const auto i : groups_[g]) emit_kernel_output(i, narrow);
         } else {
@@ -402,6 +420,19 @@ class ListBuilder {
     list_.kernels.push_back(step);
     ++list_.operation_count;
     segment(Segment::Kind::kernels, static_cast<std::uint32_t>(list_.kernels.size() - 1), 1, o.mask);
+  }
+
+  void emit_loop(std::uint32_t i) {
+    const LocalOperation& o = operations_[i];
+    LoopStep step{};
+    step.loop = graph_.operations[o.source].a;
+    step.inputs = static_cast<std::uint32_t>(list_.gathers.size());
+    step.input_count = static_cast<std::uint32_t>(o.kernel_inputs.size());
+    step.to = slots_.loop_inputs(step.loop);
+    for (const Reference r : o.kernel_inputs) list_.gathers.push_back(slot_of(r));
+    list_.loops.push_back(step);
+    ++list_.operation_count;
+    segment(Segment::Kind::loops, static_cast<std::uint32_t>(list_.loops.size() - 1), 1, o.mask);
   }
 
   // How operand `k` goes on from member i to i + 1: contiguous, constant, or neither.
@@ -578,6 +609,7 @@ class ListBuilder {
   const OperationGraph& graph_;
   Lowering& slots_;
   const Lowering::Request& request_;
+  std::unordered_map<std::uint32_t, std::uint32_t> given_;
   std::vector<std::uint32_t> local_of_;
   std::vector<LocalOperation> operations_;
   std::vector<Reference> roots_;
@@ -598,7 +630,10 @@ std::uint32_t Lowering::allocate(std::uint32_t count, std::uint32_t alignment) {
 }
 
 std::uint32_t Lowering::slot(std::uint32_t operation) {
-  if (slots_[operation] == no_slot) slots_[operation] = allocate(1);
+  if (slots_[operation] == no_slot) {
+    const auto home = homes_.find(operation);
+    slots_[operation] = home != homes_.end() ? home->second : allocate(1);
+  }
   return slots_[operation];
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/program/execute.h"
@@ -27,6 +29,8 @@ class Lowering {
     bool held_is_external = true;
     bool by_mask = false;  // parts run by mask, and results stand in their shared slots
     bool fuse = true;
+    // Operations that stand in slots of their own when this list begins: what the inside of a loop is given.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> given;
   };
   List lower(const Request& request);
 
@@ -35,12 +39,19 @@ class Lowering {
   std::uint32_t slot(std::uint32_t operation);
   bool has_slot(std::uint32_t operation) const { return slots_[operation] != no_slot; }
   void set_slot(std::uint32_t operation, std::uint32_t slot) { slots_[operation] = slot; }
+  // Where an operation will stand once somebody asks for its slot: the unknowns of a loop stand side by side.
+  void set_home(std::uint32_t operation, std::uint32_t slot) { homes_[operation] = slot; }
+  std::uint32_t home(std::uint32_t operation) const { return homes_.at(operation); }
+  // The slots to which a list copies what it computes for a loop.
+  void set_loop_inputs(std::uint32_t loop, std::uint32_t first) { loop_inputs_[loop] = first; }
+  std::uint32_t loop_inputs(std::uint32_t loop) const { return loop_inputs_.at(loop); }
   void grow() { slots_.resize(graph_.operations.size(), no_slot); }  // after operations were added to the graph
   std::uint32_t size() const { return next_; }
 
  private:
   const OperationGraph& graph_;
   std::vector<std::uint32_t> slots_;  // shared ones
+  std::unordered_map<std::uint32_t, std::uint32_t> homes_, loop_inputs_;
   std::uint32_t next_ = 0;
 };
 

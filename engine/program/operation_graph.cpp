@@ -33,7 +33,9 @@ bool is_commutative(Op op) {
   return op == Op::add || op == Op::mul || op == Op::equal || op == Op::logical_and || op == Op::logical_or;
 }
 
-bool jumps_at_a_crossing(Op op) {
+}  // namespace
+
+bool makes_modes(Op op) {
   switch (op) {
     case Op::less:
     case Op::less_equal:
@@ -53,13 +55,11 @@ bool jumps_at_a_crossing(Op op) {
   }
 }
 
-}  // namespace
-
 void OperationGraph::grow_table() {
   table_.assign(std::max<std::size_t>(64, std::bit_ceil(operations.size() * 4 + 4)), none);
   const std::size_t wrap = table_.size() - 1;
   for (std::uint32_t i = 0; i < operations.size(); ++i) {
-    if (operations[i].op == Op::kernel) continue;
+    if (is_compound(operations[i].op)) continue;
     std::size_t at = hash_of(operations[i]) & wrap;
     while (table_[at] != none) at = (at + 1) & wrap;
     table_[at] = i;
@@ -139,6 +139,38 @@ Value OperationGraph::kernel_output(Value kernel, std::uint32_t index) {
   return add(o);
 }
 
+Value OperationGraph::loop(std::uint32_t index, Mask mask) {
+  Operation o;
+  o.op = Op::loop;
+  o.a = index;
+  o.site = site;
+  o.mask = mask;
+  operations.push_back(o);
+  return Value::node(static_cast<std::uint32_t>(operations.size() - 1));
+}
+
+Value OperationGraph::unknown(Value loop, std::uint32_t index) {
+  Operation o;
+  o.op = Op::unknown;
+  o.a = loop.id();
+  o.b = index;
+  o.site = operations[loop.id()].site;
+  o.mask = operations[loop.id()].mask;
+  return add(o);
+}
+
+std::vector<std::uint32_t> OperationGraph::operands_of_compound(std::uint32_t id) const {
+  const Operation& o = operations[id];
+  if (o.op == Op::loop) {
+    std::vector<std::uint32_t> all = loops[o.a].inputs;
+    all.insert(all.end(), loops[o.a].leaves.begin(), loops[o.a].leaves.end());
+    return all;
+  }
+  std::vector<std::uint32_t> all = kernels[o.a].inputs;
+  all.insert(all.end(), kernels[o.a].advance_inputs.begin(), kernels[o.a].advance_inputs.end());
+  return all;
+}
+
 Value OperationGraph::plain(Op op, Value a, Value b, Value c) {
   const bool before = std::exchange(make_modes, false);
   const Value result = record(op, a, b, c);
@@ -208,7 +240,7 @@ Value OperationGraph::operation(Op op, Value a, Value b, Value c) {
   if (arity > 1) mask |= mask_of(b);
   if (arity > 2) mask |= mask_of(c);
   if (rate != 0 && mask != 0) mask = rate_bit(rate);
-  if (make_modes && (mask & continuous_bit) != 0 && jumps_at_a_crossing(op)) return as_mode(op, a, b);
+  if (make_modes && (mask & continuous_bit) != 0 && makes_modes(op)) return as_mode(op, a, b);
   Operation o;
   o.op = op;
   o.activation = mask == 0 ? std::uint16_t{0} : activation;

@@ -42,6 +42,32 @@ struct Mode {
   std::uint32_t site;
 };
 
+// Unknowns that equations determine together: an algebraic loop that was torn, or declared constraints.
+struct Loop {
+  static constexpr std::uint32_t none = 0xffffffff;
+  struct Unknown {
+    std::string name;                                        // of the signal that it is
+    std::uint32_t lower = none, upper = none, guess = none;  // operations over parameters only
+    std::uint32_t operation = none;                          // Op::unknown
+    std::uint32_t residual = none;                           // zero at the solution
+  };
+  struct Entry {
+    std::uint32_t row, column, value;
+  };
+  std::vector<Unknown> unknowns;
+  std::vector<Entry> jacobian;  // d residual[row] / d unknown[column]
+  bool exact = true;            // the jacobian is complete: no kernel without derivative takes part
+  bool affine = false;          // the jacobian depends on no unknown
+  bool constant = false;        // it depends on parameters only
+  bool initial = false;         // of the initial list
+  bool by_hand = false;         // its one unknown became an expression: nothing reads the loop itself
+  // What is computed before and read inside, without parameters; and what changes by itself and is read inside.
+  std::vector<std::uint32_t> inputs, leaves;
+  std::string path;  // "a -> b -> a", for messages
+  std::uint32_t operation = none;
+  std::uint32_t site = 0;
+};
+
 class OperationGraph final : public OperationSink {
  public:
   OperationGraph() = default;
@@ -49,6 +75,7 @@ class OperationGraph final : public OperationSink {
   std::vector<Operation> operations;
   std::vector<KernelUse> kernels;  // inputs are operations of this graph
   std::vector<Mode> modes;
+  std::vector<Loop> loops;
 
   // Stamped on operations made from now on: where they come from and the rate of their block (0: continuous).
   std::uint32_t site = 0;
@@ -60,6 +87,10 @@ class OperationGraph final : public OperationSink {
   Value leaf(Op op, std::uint32_t index, Mask mask);
   Value kernel(KernelUse use, std::uint64_t key);  // the kernel operation; equal keys are one use
   Value kernel_output(Value kernel, std::uint32_t index);
+  Value loop(std::uint32_t index, Mask mask);  // the operation that solves loops[index]
+  Value unknown(Value loop, std::uint32_t index);
+  // What a compound operation reads, leaves included.
+  std::vector<std::uint32_t> operands_of_compound(std::uint32_t id) const;
   std::uint32_t id_of(Value value);  // a known number becomes a constant
   Mask mask_of(Value value) const { return value.is_known() ? 0 : operations[value.id()].mask; }
   // The number of a constant, whose bits stand in b and c.
@@ -83,5 +114,12 @@ class OperationGraph final : public OperationSink {
   std::unordered_map<std::uint64_t, std::uint32_t> kernel_ids_;
   std::unordered_map<std::uint32_t, std::uint32_t> mode_of_update_;
 };
+
+// Whether an operation on a continuous signal becomes one with modes.
+bool makes_modes(Op op);
+// An operation as an operand; a constant is a known number.
+inline Value value_of(const OperationGraph& graph, std::uint32_t id) {
+  return graph.operations[id].op == Op::constant ? Value(graph.constant(id)) : Value::node(id);
+}
 
 }  // namespace plantloop

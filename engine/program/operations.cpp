@@ -18,9 +18,12 @@ constexpr std::array names{"constant",
                            "segment",
                            "hit",
                            "step",
+                           "implicit",
                            "wire",
                            "kernel",
+                           "loop",
                            "kernel_output",
+                           "unknown",
 #define X(name, expression) #name,
                            PLANTLOOP_UNARY_OPERATIONS(X) PLANTLOOP_BINARY_OPERATIONS(X) PLANTLOOP_TERNARY_OPERATIONS(X)
 #undef X
@@ -46,8 +49,9 @@ double apply(Op op, double a, double b, double c) {
     PLANTLOOP_BINARY_OPERATIONS(X)
     PLANTLOOP_TERNARY_OPERATIONS(X)
 #undef X
-        default : assert(false && "a leaf has no value of its own");
-    return 0;
+    default:
+      assert(false && "a leaf has no value of its own");
+      return 0;
   }
 }
 

@@ -82,18 +82,25 @@ enum class Op : std::uint8_t {
   segment,        // a: index of a schedule: how many of its instants have passed
   hit,            // a: index of a rate: number k of its latest hit
   step,           // the step size of a fixed-step method, in s
+  implicit,       // a: index of a declared unknown, in a record only
   wire,           // a: index of a forward reference, bound before sorting
   kernel,         // a: index of a use of a kernel
+  loop,           // a: index of a loop: finds the values of its unknowns
   kernel_output,  // a: the kernel node, b: number of the output
+  unknown,        // a: the loop, b: number of the unknown
 #define X(name, expression) name,
   PLANTLOOP_UNARY_OPERATIONS(X) PLANTLOOP_BINARY_OPERATIONS(X) PLANTLOOP_TERNARY_OPERATIONS(X)
 #undef X
 };
 
 const char* name_of(Op op);
-// Number of operands that are nodes: 0 for leaves, and for `kernel` (its operands stand in its use).
+// Number of operands that are nodes: 0 for leaves, and for `kernel` and `loop` (their operands stand beside the graph).
 int arity_of(Op op);
 inline bool is_leaf(Op op) { return op <= Op::wire; }
+// Read lists of operands from beside the graph, and give several results.
+inline bool is_compound(Op op) { return op == Op::kernel || op == Op::loop; }
+// One of the results of a compound operation.
+inline bool is_result(Op op) { return op == Op::kernel_output || op == Op::unknown; }
 // The value of an operation on numbers; leaves and kernels are not allowed.
 double apply(Op op, double a, double b, double c);
 

@@ -78,6 +78,34 @@ struct Program {
     std::uint32_t site;
   };
   std::vector<KernelState> kernels;
+  // Unknowns that equations determine together; the lists that read them solve them first.
+  struct Loop {
+    std::string path;  // "a -> b -> a"
+    std::uint32_t site = 0;
+    bool initial = false;                                 // of the initial list
+    bool exact = true, affine = false, constant = false;  // of the Jacobian, as in the graph's Loop
+    Mask mask = 0;                                        // when it is solved
+    std::vector<std::string> names;                       // of the unknowns
+    SlotIndex unknowns = 0;                               // they stand side by side from here
+    std::vector<SlotIndex> lower, upper, guess;           // no_slot: none
+    List residual_list;                                   // roots: the residuals, zero at the solution
+    List jacobian_list;                                   // roots: the entries of the Jacobian
+    std::vector<std::uint32_t> row, column;               // of the entries
+    std::uint32_t first_value = 0;                        // in the Frame's loop values
+    std::uint32_t first_room = 0;                         // in the Frame's loop room
+    std::size_t size() const { return names.size(); }
+  };
+  std::vector<Loop> loops;
+  List loop_list;  // solves every loop that continuous signals reach
+  std::uint32_t loop_value_count = 0, loop_room_size = 0;
+  // What a loop that became an expression is divided by: its equations have no solution where it is 0.
+  struct Pivot {
+    SlotIndex slot;
+    std::string path;
+    std::uint32_t site;
+  };
+  std::vector<Pivot> pivots;
+
   std::uint32_t kernel_state_size = 0;
   std::uint32_t history_count = 0;
   std::uint32_t scratch_size = 0;
@@ -110,11 +138,13 @@ struct CompileOptions {
   std::vector<Value>
       numbers;  // values over parameters only, to be read after parameter_list: settings, bounds, expectations
   bool jacobian = true;
+  bool loops_are_errors = false;
   std::string unroll_method;  // "euler", "heun" or "rk4": make step_list when the derivatives are few
   double unroll_step = 0;     // its step size in s
 };
 
-// Null after reporting algebraic loops or initial values that depend on each other.
+// Null after reporting loops that cannot be solved (or any, when they are errors) or initial values that depend on each
+// other.
 std::shared_ptr<const Program> compile(const Record& record, const CompileOptions& options, class Report& report);
 
 }  // namespace plantloop

@@ -52,6 +52,14 @@ struct RecordedState {
   std::string unit;
 };
 
+// An unknown that its own equation determines: `residual` is zero there.
+struct RecordedUnknown {
+  std::string name;  // path of the block, elements with a dot
+  std::uint32_t site = 0;
+  Value residual;
+  Value lower, upper, guess;  // over parameters only; without bounds: minus and plus infinity
+};
+
 struct RecordedDiscrete {
   std::string name;
   std::uint32_t site = 0;
@@ -103,6 +111,7 @@ struct Record {
   std::vector<RecordedParameter> parameters;
   std::vector<RecordedState> states;
   std::vector<RecordedDiscrete> discretes;
+  std::vector<RecordedUnknown> unknowns;
   std::vector<RecordedSignal> signals;
   std::vector<RecordedJump> jumps;
   std::vector<RecordedSchedule> schedules;
@@ -129,6 +138,7 @@ class Recorder final : public OperationSink {
   Value time();
   Value state(std::uint32_t index);     // index into record.states
   Value discrete(std::uint32_t index);  // index into record.discretes; latched by a copy at the state's rate
+  Value implicit(std::uint32_t index);  // index into record.unknowns
   Value hit(RateIndex rate);
   Value segment(std::vector<Value> times);
   Value beats(Value first, Value period);

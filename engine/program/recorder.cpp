@@ -67,6 +67,8 @@ Value Recorder::discrete(std::uint32_t index) {
   return Value::node(latches_[index]);
 }
 
+Value Recorder::implicit(std::uint32_t index) { return leaf(Op::implicit, index); }
+
 Value Recorder::hit(RateIndex of) {
   const RateIndex before = std::exchange(rate, of);
   RecordedNode node;

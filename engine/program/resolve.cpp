@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <span>
+#include <string_view>
+
+#include "engine/program/loop_parts.h"
+#include "engine/program/loops.h"
 
 #include "engine/program/differentiate.h"
 
@@ -16,12 +19,20 @@ namespace {
 // value.
 class Resolver {
  public:
-  Resolver(const Record& record, OperationGraph& graph, bool initial)
+  // `loops` of the record, if it has some; none: those that are met stand in cycles().
+  Resolver(const Record& record, OperationGraph& graph, bool initial, const std::vector<RecordedLoop>& loops)
       : record_(record),
         graph_(graph),
         initial_(initial),
-        status_(record.nodes.size(), Status::unseen),
-        values_(record.nodes.size()) {}
+        loops_(loops),
+        status_(record.nodes.size() + loops.size(), Status::unseen),
+        values_(record.nodes.size() + loops.size()) {
+    if (loops.empty()) return;
+    loop_of_.assign(record.nodes.size(), none);
+    for (std::uint32_t k = 0; k < loops.size(); ++k) {
+      for (const auto member : loops[k].members) loop_of_[member] = k;
+    }
+  }
 
   Value operator()(Value value) { return value.is_known() ? value : resolve(value.id()); }
   std::uint32_t id(Value value) { return graph_.id_of((*this)(value)); }
@@ -45,36 +56,21 @@ class Resolver {
  private:
   enum class Status : std::uint8_t { unseen, open, done };
 
-  // The record's values that a node needs first.
+  // The record's values that a node needs first. A member of a loop needs the loop, which stands behind the nodes; a
+  // loop needs what its members read from outside.
   void operands(std::uint32_t id, std::vector<Value>& into) const {
-    const RecordedNode& node = record_.nodes[id];
+    const auto nodes = static_cast<std::uint32_t>(record_.nodes.size());
+    if (loops_.empty() || (id < nodes && loop_of_[id] == none)) return operands_of(record_, id, initial_, into);
     into.clear();
-    switch (node.op) {
-      case Op::wire:
-        into.push_back(record_.wires[node.a]);
-        return;
-      case Op::state:
-        if (initial_) into.push_back(record_.states[node.a].initial);
-        return;
-      case Op::discrete:
-        if (initial_) into.push_back(record_.discretes[node.a].initial);
-        return;
-      case Op::kernel: {
-        const KernelUse& use = record_.kernels[node.a];
-        for (const auto i : use.inputs) into.push_back(Value::node(i));
-        if (initial_ && use.kernel->starts_with_inputs()) {
-          for (const auto i : use.advance_inputs) into.push_back(Value::node(i));
-        }
-        return;
-      }
-      case Op::kernel_output:
-        into.push_back(Value::node(node.a));
-        return;
-      default: {
-        const int arity = arity_of(node.op);
-        if (arity > 0) into.push_back(Value::node(node.a));
-        if (arity > 1) into.push_back(Value::node(node.b));
-        if (arity > 2) into.push_back(Value::node(node.c));
+    if (id < nodes) {
+      into.push_back(Value::node(nodes + loop_of_[id]));
+      return;
+    }
+    std::vector<Value> one;
+    for (const auto member : loops_[id - nodes].members) {
+      operands_of(record_, member, initial_, one);
+      for (const Value v : one) {
+        if (!v.is_known() && loop_of_[v.id()] != id - nodes) into.push_back(v);
       }
     }
   }
@@ -91,7 +87,11 @@ class Resolver {
       }
       operands(id, operands_);
       if (status_[id] == Status::open) {  // its operands are done
-        values_[id] = rebuild(id);
+        if (id >= record_.nodes.size()) {
+          resolve_loop(id - static_cast<std::uint32_t>(record_.nodes.size()));
+        } else if (loops_.empty() || loop_of_[id] == none) {
+          values_[id] = rebuild(id);
+        }
         status_[id] = Status::done;
         path_.pop_back();
         stack_.pop_back();
@@ -140,6 +140,8 @@ class Resolver {
         return graph_.leaf(node.op, node.a, event_bit);
       case Op::wire:
         return of(record_.wires[node.a]);
+      case Op::implicit:
+        return of(record_.unknowns[node.a].residual);
       case Op::kernel: {
         KernelUse use = record_.kernels[node.a];
         use.index = node.a;
@@ -167,9 +169,149 @@ class Resolver {
     }
   }
 
+  // --- loops ------------------------------------------------------------------------------------------------------
+
+  // All members of a loop, once everything that they read from outside is there.
+  void resolve_loop(std::uint32_t k) {
+    const RecordedLoop& loop = loops_[k];
+    const std::vector<std::uint32_t> order = members_in_order(k);
+    const auto index = static_cast<std::uint32_t>(graph_.loops.size());
+    graph_.loops.push_back(describe(loop));
+    graph_.site = graph_.loops[index].site;
+    const Value operation = graph_.loop(index, mask_of(loop));
+    graph_.loops[index].operation = operation.id();
+    std::vector<Value> unknowns;
+    for (std::uint32_t i = 0; i < loop.tears.size(); ++i) {
+      unknowns.push_back(graph_.unknown(operation, i));
+      graph_.loops[index].unknowns[i].operation = unknowns.back().id();
+    }
+    const std::vector<Value> residuals = rebuild_members(loop, order, unknowns);
+    for (std::uint32_t i = 0; i < residuals.size(); ++i) {
+      graph_.loops[index].unknowns[i].residual = graph_.id_of(residuals[i]);
+    }
+    complete_loop(graph_, index, loop.rate);
+    if (is_solved_by_hand(loop, graph_.loops[index])) solve_by_hand(loop, order, index);
+  }
+
+  // The members without the tears, operands first.
+  std::vector<std::uint32_t> members_in_order(std::uint32_t k) {
+    std::vector<std::uint32_t> order, open;
+    std::vector<Value> one;
+    std::vector<std::uint8_t> seen(loops_[k].members.size(), 0);  // 1: open, 2: done
+    const auto place = [&](std::uint32_t node) {
+      const auto& members = loops_[k].members;
+      return static_cast<std::size_t>(std::lower_bound(members.begin(), members.end(), node) - members.begin());
+    };
+    for (const auto tear : loops_[k].tears) seen[place(tear)] = 2;
+    for (const auto member : loops_[k].members) {
+      open.push_back(member);
+      while (!open.empty()) {
+        const std::uint32_t id = open.back();
+        if (seen[place(id)] != 0) {
+          if (seen[place(id)] == 1) order.push_back(id);
+          seen[place(id)] = 2;
+          open.pop_back();
+          continue;
+        }
+        seen[place(id)] = 1;
+        operands_of(record_, id, initial_, one);
+        for (const Value v : one) {
+          if (!v.is_known() && loop_of_[v.id()] == k && seen[place(v.id())] == 0) open.push_back(v.id());
+        }
+      }
+    }
+    return order;
+  }
+
+  // Gives every member its value when the tears have these, and returns what must be zero then.
+  std::vector<Value> rebuild_members(const RecordedLoop& loop, const std::vector<std::uint32_t>& order,
+                                     const std::vector<Value>& tears) {
+    for (std::size_t i = 0; i < tears.size(); ++i) values_[loop.tears[i]] = tears[i];
+    for (const auto id : order) values_[id] = rebuild(id);
+    std::vector<Value> residuals;
+    for (std::size_t i = 0; i < tears.size(); ++i) {
+      const Value value = rebuild(loop.tears[i]);
+      graph_.make_modes = false;
+      residuals.push_back(is_declared(loop.tears[i]) ? value : value - tears[i]);
+    }
+    for (const auto member : loop.members) status_[member] = Status::done;
+    return residuals;
+  }
+
+  bool is_declared(std::uint32_t node) const { return record_.nodes[node].op == Op::implicit; }
+
+  Loop describe(const RecordedLoop& loop) {
+    Loop described;
+    described.initial = initial_;
+    const auto sites = sites_along(record_, loop.cycle);
+    described.path = closed_path(record_, sites);
+    if (!sites.empty()) described.site = sites.front();
+    for (const auto tear : loop.tears) {
+      Loop::Unknown unknown;
+      unknown.name = name_of_node(tear);
+      if (is_declared(tear)) {
+        const RecordedUnknown& declared = record_.unknowns[record_.nodes[tear].a];
+        unknown.name = declared.name;
+        unknown.lower = graph_.id_of(of(declared.lower));
+        unknown.upper = graph_.id_of(of(declared.upper));
+        unknown.guess = graph_.id_of(of(declared.guess));
+        described.site = declared.site;
+      }
+      described.unknowns.push_back(std::move(unknown));
+    }
+    return described;
+  }
+
+  // Of the output that it is, else of its block.
+  std::string name_of_node(std::uint32_t node) const {
+    const std::string& path = record_.sites[record_.nodes[node].site].path;
+    std::string name;
+    for (const RecordedSignal& signal : record_.signals) {
+      if (signal.value.is_known() || signal.value.id() != node) continue;
+      if (name.empty() || (signal.name.starts_with(path) && !name.starts_with(path))) name = signal.name;
+    }
+    return name.empty() ? path : name;
+  }
+
+  // When the loop is solved. Without anything that changes it is solved once, with what is held at the start.
+  Mask mask_of(const RecordedLoop& loop) {
+    if (loop.rate != 0) return rate_bit(loop.rate);
+    Mask mask = 0;
+    std::vector<Value> one;
+    for (const auto member : loop.members) {
+      operands_of(record_, member, initial_, one);
+      for (const Value v : one) {
+        if (!v.is_known() && status_[v.id()] == Status::done) mask |= graph_.mask_of(of(v));
+      }
+    }
+    return (mask & continuous_bit) != 0 ? mask : mask | event_bit;
+  }
+
+  // One unknown, linear, with a slope that only parameters change: its value is an expression.
+  bool is_solved_by_hand(const RecordedLoop& loop, const Loop& solved) const {
+    if (loop.tears.size() != 1 || is_declared(loop.tears[0]) || !solved.constant || !solved.exact) return false;
+    if (solved.jacobian.size() != 1 || initial_) return false;
+    return std::none_of(loop.members.begin(), loop.members.end(), [this](std::uint32_t id) {
+      const RecordedNode& node = record_.nodes[id];
+      return is_compound(node.op) || makes_modes(node.op);
+    });
+  }
+
+  void solve_by_hand(const RecordedLoop& loop, const std::vector<std::uint32_t>& order, std::uint32_t index) {
+    const Value at_zero = rebuild_members(loop, order, {Value(0)})[0];
+    const Value slope = value_of(graph_, graph_.loops[index].jacobian[0].value);
+    graph_.site = graph_.loops[index].site;
+    graph_.rate = loop.rate;
+    rebuild_members(loop, order, {-(at_zero / slope)});
+    graph_.loops[index].by_hand = true;
+  }
+
+  static constexpr std::uint32_t none = 0xffffffff;
   const Record& record_;
   OperationGraph& graph_;
   bool initial_;
+  const std::vector<RecordedLoop>& loops_;
+  std::vector<std::uint32_t> loop_of_;  // per node; empty without loops
   std::vector<Status> status_;
   std::vector<Value> values_;
   std::vector<std::uint32_t> stack_, path_;
@@ -177,31 +319,8 @@ class Resolver {
   std::vector<std::vector<std::uint32_t>> cycles_;
 };
 
-// The blocks along a closed path, each once in a row.
-std::vector<std::uint32_t> sites_along(const Record& record, const std::vector<std::uint32_t>& cycle) {
-  std::vector<std::uint32_t> sites;
-  for (const auto id : cycle) {
-    const std::uint32_t site = record.nodes[id].site;
-    if (site == 0 || record.nodes[id].op == Op::wire) continue;  // a forward reference was made by its reader
-    if (!sites.empty() && record.sites[sites.back()].path == record.sites[site].path) continue;
-    sites.push_back(site);
-  }
-  while (sites.size() > 1 && record.sites[sites.front()].path == record.sites[sites.back()].path) sites.pop_back();
-  // The walk went from readers to drivers; signals flow the other way.
-  std::reverse(sites.begin(), sites.end());
-  const auto first = std::min_element(sites.begin(), sites.end(),
-                                      [&](auto a, auto b) { return record.sites[a].path < record.sites[b].path; });
-  std::rotate(sites.begin(), first, sites.end());
-  return sites;
-}
-
-std::string closed_path(const Record& record, const std::vector<std::uint32_t>& sites) {
-  std::string text;
-  for (const auto s : sites) text += record.sites[s].path + " -> ";
-  return sites.empty() ? text : text + record.sites[sites.front()].path;
-}
-
-void report_loops(const Record& record, const std::vector<std::vector<std::uint32_t>>& cycles, Report& report) {
+// A loop that is refused, whatever the reason; each closed path once.
+void refuse(const Record& record, const std::vector<std::vector<std::uint32_t>>& cycles, Report& report) {
   std::vector<std::string> seen;
   for (const auto& cycle : cycles) {
     const auto sites = sites_along(record, cycle);
@@ -216,32 +335,78 @@ void report_loops(const Record& record, const std::vector<std::vector<std::uint3
   }
 }
 
-void report_initial_cycles(const Record& record, const std::vector<std::vector<std::uint32_t>>& cycles,
-                           Report& report) {
-  for (const auto& cycle : cycles) {
-    const auto sites = sites_along(record, cycle);
-    if (sites.empty()) continue;
-    report
-        .error(record.sites[sites.front()].mark, "initial values depend on each other: {}", closed_path(record, sites))
-        .named("initial-cycle")
-        .hint("give one of them an `initial:` that uses parameters only");
+void report_loops(const Record& record, const std::vector<RecordedLoop>& loops, bool loops_are_errors, Report& report) {
+  for (const RecordedLoop& loop : loops) {
+    const auto sites = sites_along(record, loop.cycle);
+    const Mark mark = sites.empty() ? Mark{} : record.sites[sites.front()].mark;
+    const std::string path = closed_path(record, sites);
+    const auto error = [&](std::string_view why) -> Finding& {
+      return report.error(mark, "algebraic loop: {}", path).named("algebraic-loop").hint(std::string(why));
+    };
+    const bool declared = std::all_of(loop.tears.begin(), loop.tears.end(),
+                                      [&](auto tear) { return record.nodes[tear].op == Op::implicit; });
+    switch (loop.problem) {
+      case RecordedLoop::Problem::mixed_rates:
+        error(
+            "it joins sampled and continuous parts, or parts of two rates, that need each other's value at the same "
+            "instant")
+            .hint("put a unit_delay into the sampled part, or a lag into the continuous one");
+        break;
+      case RecordedLoop::Problem::no_number:
+        error("only true and false go round in it: there is no number to solve for")
+            .hint("put a unit_delay into it, or give the condition a hysteresis with a relay");
+        break;
+      case RecordedLoop::Problem::conditional:
+        error("a part of it does not always run").hint("put a state or a unit_delay into the loop");
+        break;
+      case RecordedLoop::Problem::initial_values:
+        break;
+      case RecordedLoop::Problem::none:
+        if (declared) break;
+        if (loops_are_errors) {
+          refuse(record, {loop.cycle}, report);
+        } else {
+          report.note(mark, "algebraic loop: {}; its values are found by iteration whenever they are read", path)
+              .named("algebraic-loop");
+        }
+    }
   }
 }
 
-}  // namespace
+void report_initial_cycle(const Record& record, const std::vector<std::uint32_t>& cycle, Report& report) {
+  const auto sites = sites_along(record, cycle);
+  if (sites.empty()) return;
+  report.error(record.sites[sites.front()].mark, "initial values depend on each other: {}", closed_path(record, sites))
+      .named("initial-cycle")
+      .hint("give one of them an `initial:` that uses parameters only");
+}
 
-Resolved resolve(const Record& record, const std::vector<Value>& watches, const std::vector<Value>& numbers,
-                 Report& report) {
-  Resolved resolved;
-  OperationGraph& graph = resolved.graph;
-  const SinkInCharge charge(graph);
-  graph.operations.reserve(record.nodes.size());
-  Resolver run(record, graph, false);
+// A loop whose equations leave a value open, whatever the parameters.
+void report_open_unknowns(const Record& record, const OperationGraph& graph, Report& report) {
+  for (const Loop& loop : graph.loops) {
+    if (loop.initial || !loop.exact) continue;
+    for (std::uint32_t i = 0; i < loop.unknowns.size(); ++i) {
+      const auto reads = [&](const Loop::Entry& e) { return e.column == i; };
+      if (std::any_of(loop.jacobian.begin(), loop.jacobian.end(), reads)) continue;
+      report
+          .error(record.sites[loop.site].mark,
+                 "the equations of the algebraic loop {} hold for every '{}', or for none", loop.path,
+                 loop.unknowns[i].name)
+          .named("algebraic-loop")
+          .hint("an equation for it must contain it");
+      break;
+    }
+  }
+}
+
+// Everything that a run computes, but for the initial values.
+void resolve_run(const Record& record, Resolver& run, const std::vector<Value>& watches,
+                 const std::vector<Value>& numbers, Resolved& resolved) {
   for (const auto& state : record.states) resolved.derivatives.push_back(run.id(state.derivative));
   for (const auto& discrete : record.discretes) resolved.nexts.push_back(run.sampled(discrete.next, discrete.rate));
   for (const auto& jump : record.jumps) {
     const std::uint32_t function = run.sampled(jump.function, jump.rate);
-    Resolved::Jump result{jump.of_slope ? slope(graph, function, resolved.derivatives) : function, {}};
+    Resolved::Jump result{jump.of_slope ? slope(resolved.graph, function, resolved.derivatives) : function, {}};
     for (const auto& assignment : jump.assignments) result.values.push_back(run.id(assignment.value));
     resolved.jumps.push_back(std::move(result));
   }
@@ -262,15 +427,62 @@ Resolved resolve(const Record& record, const std::vector<Value>& watches, const 
   for (const Value& watch : watches) resolved.watches.push_back(run.id(watch));
   for (const Value& number : numbers) resolved.numbers.push_back(run.id(number));
   for (const auto& signal : record.signals) run(signal.value);  // loops are errors even where nobody looks
-  report_loops(record, run.cycles(), report);
+}
 
-  Resolver initial(record, graph, true);
+void resolve_initial(const Record& record, bool has_loops, Resolved& resolved, Report& report) {
+  OperationGraph& graph = resolved.graph;
+  const SinkInCharge charge(graph);
+  // Without loops in the run a closed path goes through the initial value of a state.
+  const std::vector<RecordedLoop> loops = has_loops ? find_loops(record, true) : std::vector<RecordedLoop>{};
+  bool closed = false;
+  for (const RecordedLoop& loop : loops) {
+    if (loop.problem != RecordedLoop::Problem::initial_values) continue;
+    report_initial_cycle(record, loop.cycle, report);
+    closed = true;
+  }
+  if (closed) return;
+  Resolver initial(record, graph, true, loops);
   for (const auto& state : record.states) resolved.initial_states.push_back(initial.id(state.initial));
   for (const auto& discrete : record.discretes) resolved.initial_discretes.push_back(initial.id(discrete.initial));
   for (std::uint32_t i = 0; i < record.nodes.size(); ++i) {
     if (record.nodes[i].op == Op::kernel) resolved.initial_kernels.push_back(initial.kernel(i));
   }
-  if (run.cycles().empty()) report_initial_cycles(record, initial.cycles(), report);
+  for (const auto& cycle : initial.cycles()) report_initial_cycle(record, cycle, report);
+}
+
+}  // namespace
+
+Resolved resolve(const Record& record, const std::vector<Value>& watches, const std::vector<Value>& numbers,
+                 bool loops_are_errors, Report& report) {
+  const std::size_t errors = report.error_count();
+  Resolved resolved;
+  std::vector<RecordedLoop> loops;
+  if (record.unknowns.empty()) {
+    const SinkInCharge charge(resolved.graph);
+    resolved.graph.operations.reserve(record.nodes.size());
+    Resolver run(record, resolved.graph, false, loops);
+    resolve_run(record, run, watches, numbers, resolved);
+    if (!run.cycles().empty()) {
+      if (loops_are_errors) {
+        refuse(record, run.cycles(), report);
+        return resolved;
+      }
+      loops = find_loops(record, false);
+    }
+  } else {
+    loops = find_loops(record, false);
+  }
+  if (!loops.empty()) {  // once more, from the beginning
+    report_loops(record, loops, loops_are_errors, report);
+    if (report.error_count() > errors) return resolved;
+    resolved = {};
+    const SinkInCharge charge(resolved.graph);
+    Resolver run(record, resolved.graph, false, loops);
+    resolve_run(record, run, watches, numbers, resolved);
+    report_open_unknowns(record, resolved.graph, report);
+    if (report.error_count() > errors) return resolved;
+  }
+  resolve_initial(record, !loops.empty(), resolved, report);
   return resolved;
 }
 

@@ -34,9 +34,10 @@ struct Resolved {
   std::vector<std::vector<std::uint32_t>> advance_inputs;  // per kernel of the Record
 };
 
-// Reports algebraic loops and initial values that depend on each other, each with its closed path; the result is then
-// of no use.
+// Algebraic loops are torn and stand in `graph.loops`; each is a note, or an error when `loops_are_errors`. Reports
+// loops that cannot be solved and initial values that depend on each other, each with its closed path; after an error
+// the result is of no use.
 Resolved resolve(const Record& record, const std::vector<Value>& watches, const std::vector<Value>& numbers,
-                 Report& report);
+                 bool loops_are_errors, Report& report);
 
 }  // namespace plantloop

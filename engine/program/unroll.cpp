@@ -34,8 +34,8 @@ class Copier {
       if (seen[id] || !o.is_continuous()) continue;
       seen[id] = true;
       order_.push_back(id);
-      has_kernel_ = has_kernel_ || o.op == Op::kernel || o.op == Op::kernel_output;
-      if (is_leaf(o.op) || o.op == Op::kernel) continue;
+      has_kernel_ = has_kernel_ || is_compound(o.op) || is_result(o.op);
+      if (is_leaf(o.op) || is_compound(o.op)) continue;
       const int arity = arity_of(o.op);
       stack.push_back(o.a);
       if (arity > 1) stack.push_back(o.b);

@@ -105,7 +105,8 @@ class Values {
     const Operation& o = graph_.operations[id];
     if (is_leaf(o.op)) return {};
     if (o.op == Op::kernel) return graph_.kernels[o.a].inputs;
-    if (o.op == Op::kernel_output) return {o.a};
+    if (o.op == Op::loop) return graph_.operands_of_compound(id);
+    if (is_result(o.op)) return {o.a};
     const int arity = arity_of(o.op);
     if (arity == 1) return {o.a};
     if (arity == 2) return {o.a, o.b};
@@ -116,6 +117,8 @@ class Values {
     const Operation& o = graph_.operations[id];
     if (o.op == Op::constant) return graph_.constant(id);
     if (is_leaf(o.op)) return leaf_value(frame_, o);
+    if (o.op == Op::loop) return 0;
+    if (o.op == Op::unknown) return frame_.arena[frame_.program->loops[graph_.operations[o.a].a].unknowns + o.b];
     if (o.op == Op::kernel) {
       outputs_[id] = outputs_of(graph_.kernels[o.a]);
       return 0;

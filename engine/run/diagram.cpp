@@ -170,6 +170,7 @@ std::shared_ptr<const CompiledDiagram> Diagram::build(const Overrides& set, cons
   }
   compiled->first_bound = options.numbers.size();
   for (const RecordedBound& bound : compiled->recorded.bounds) options.numbers.push_back(bound.value);
+  options.loops_are_errors = model_->simulation.loops == "error";
   options.unroll_method = unroll_method;
   options.unroll_step = unroll_step;
   if (unroll_method.empty() && compiled->options.step > 0) {

@@ -129,6 +129,7 @@ void Events::event(bool located) {
     rows_.log_left_of_event(run_.t, before_event_, a_jump_fired());
   }
   settle_events(located ? fired_ : std::vector<int>{}, event_bit);
+  run_.accept_loops();
   rows_.log_right(event_bit);
   if (!kernels_.none()) kernels_.continuous(false);
   run_.restart = true;

@@ -25,6 +25,8 @@ Frame::Frame(std::shared_ptr<const Program> compiled)
       arena(aligned(storage, program->arena.size())),
       kernel_states(program->kernel_state_size + 1, 0.0),
       histories(program->history_count),
+      loop_values(program->loop_value_count, 0.0),
+      loop_room(program->loop_room_size, 0.0),
       scratch(program->scratch_size + 1, 0.0),
       next_hit(program->rates.size(), 0),
       next_instant(program->schedules.size(), 0) {
@@ -36,6 +38,8 @@ Frame::Frame(const Frame& other)
       arena(aligned(storage, program->arena.size())),
       kernel_states(other.kernel_states),
       histories(other.histories),
+      loop_values(other.loop_values),
+      loop_room(other.loop_room),
       scratch(other.scratch),
       next_hit(other.next_hit),
       next_instant(other.next_instant) {
@@ -48,6 +52,8 @@ KernelFrame Frame::kernel_frame(bool left) {
   frame.states = kernel_states.data();
   frame.scratch = scratch.data();
   frame.histories = histories.data();
+  frame.loop_values = loop_values.data();
+  frame.loop_room = loop_room.data();
   frame.left = left;
   return frame;
 }

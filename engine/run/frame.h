@@ -18,6 +18,8 @@ struct Frame {
   double* arena = nullptr;
   std::vector<double> kernel_states;  // of all kernels, one after the other
   std::vector<History> histories;
+  std::vector<double> loop_values;         // of all loops' unknowns, as last accepted
+  std::vector<double> loop_room;           // of the loops; cleared when parameters change
   std::vector<double> scratch;             // without meaning between calls
   std::vector<std::int64_t> next_hit;      // per rate: number of its next hit
   std::vector<std::int64_t> next_instant;  // per schedule: number of its next instant

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/program/solve_loop.h"
 #include "engine/run/clockwork.h"
 #include "engine/run/frame.h"
 #include "engine/run/simulation.h"
@@ -32,6 +33,15 @@ struct RunState {
   bool restart = true;  // the states, or what their derivatives read, changed: the integrator must forget the past
   RunStatistics statistics;
 
+  // At an accepted step or after an event: the unknowns of all loops at the frame's states and time are where the next
+  // search begins.
+  void accept_loops() {
+    if (program.loops.empty()) return;
+    KernelFrame kernels = frame.kernel_frame(false);
+    frame.arena[program.time] = t;
+    if (!program.loop_list.empty()) execute(program.loop_list, frame.arena, &kernels);
+    plantloop::accept_loops(program, frame.arena, kernels);
+  }
   // The states and the time of an instant inside the last step.
   void put_states_of(double time) {
     if (integrator) integrator->interpolate(time, frame.states());

@@ -65,6 +65,8 @@ class Runner {
     run_.t = options_.start;
     rows_.begin();
     execute(program_.parameter_list, frame_.arena);
+    KernelFrame kernels = frame_.kernel_frame(false);
+    reset_loops(program_, frame_.arena, kernels);
     for (const auto slot : program_.modes) frame_.arena[slot] = 0;
     run_.clockwork.emplace(frame_, options_.start, options_.stop);
     frame_.arena[program_.time] = run_.t;
@@ -92,6 +94,7 @@ class Runner {
     }
     const Mask bits = run_.clockwork->advance(run_.t);
     events_.settle(every_bit);
+    run_.accept_loops();
     events_.remember_guards();
     rows_.log_right(bits);
     update(bits);
@@ -160,6 +163,7 @@ class Runner {
       rows_.log_between(before, after);
       run_.t = after;
       rows_.log_left(run_.t);
+      run_.accept_loops();
       if (!kernels_.none()) {
         kernels_.through(before, after);
         if (run_.ended) return;
@@ -278,6 +282,7 @@ class Runner {
     for (std::size_t i = 0; i < held_before_.size() && !run_.restart; ++i) {
       run_.restart = held_before_[i] != frame_.arena[program_.held_in_derivatives[i]];
     }
+    run_.accept_loops();
     rows_.log_right(bits);
     update(bits);
     if (!kernels_.none()) kernels_.continuous(false);

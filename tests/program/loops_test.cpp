@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "tests/program/programs.h"
 
 namespace plantloop::testing_programs {
@@ -97,6 +99,84 @@ TEST(Loops, ThroughAnEntryThatIsZeroAreNone) {
   recorder.bind(back, y);
   recorder.record.signals.push_back({"y", y, {}, 0});
   EXPECT_EQ(findings_of(recorder), "");
+}
+
+// The equations of a pair of loops that share z: x = sin(z) + p, z = 0.5 x + 0.25 y, y = z^2 - s.
+struct SharedLoops {
+  Recorder recorder;
+  StateIn s;
+  Value x, y, z;
+  SharedLoops() : s(add_state(recorder, "s", 0.3)) {
+    const Value back = recorder.wire();
+    in_block(recorder, "x");
+    x = sin(back) + recorder.parameter("p", 1);
+    in_block(recorder, "y");
+    y = back * back - s.value;
+    in_block(recorder, "z");
+    z = 0.5 * x + 0.25 * y;
+    recorder.bind(back, z);
+    recorder.record.signals.push_back({"x", x, {}, 0});
+    recorder.record.signals.push_back({"y", y, {}, 0});
+    recorder.record.signals.push_back({"z", z, {}, 0});
+    recorder.record.states[s.index].derivative = x * y - s.value;
+  }
+};
+
+TEST(Loops, ThatShareASignalAreCutThere) {
+  SharedLoops loops;
+  const auto program = compiled(loops.recorder, {loops.x, loops.y, loops.z});
+  ASSERT_EQ(program->loops.size(), 1u);
+  EXPECT_EQ(program->loops[0].names, std::vector<std::string>{"z"});
+}
+
+TEST(Loops, AreSolvedWhereverTheyAreRead) {
+  SharedLoops loops;
+  Evaluation evaluation(compiled(loops.recorder, {loops.x, loops.y, loops.z}));
+  evaluation.settle();
+  for (const double s : {-0.5, 0.0, 0.7}) {
+    evaluation.set_state(loops.s.index, s);
+    const auto values = evaluation.watches();
+    EXPECT_NEAR(values[0], std::sin(values[2]) + 1, 1e-15);
+    EXPECT_NEAR(values[1], values[2] * values[2] - s, 1e-15);
+    EXPECT_NEAR(values[2], 0.5 * values[0] + 0.25 * values[1], 1e-15);
+    EXPECT_NEAR(evaluation.derivatives()[0], values[0] * values[1] - s, 1e-15);
+  }
+}
+
+TEST(Loops, AreDifferentiatedThroughTheirEquations) {
+  SharedLoops one;
+  // Two unknowns: x = s - cos(y), y = 0.4 x y + s.
+  Recorder two;
+  const StateIn s = add_state(two, "s", 0.3);
+  const Value x = two.wire(), y = two.wire();
+  in_block(two, "x");
+  const Value gives_x = s.value - cos(y) + 0.2 * x;
+  in_block(two, "y");
+  const Value gives_y = 0.4 * x * y + s.value - 0.1 * y * y;
+  two.bind(x, gives_x);
+  two.bind(y, gives_y);
+  two.record.states[s.index].derivative = gives_x * gives_y;
+  EXPECT_EQ(compiled(two)->loops.front().size(), 2u);
+  for (const Recorder* recorder : {&one.recorder, &two}) {
+    Evaluation evaluation(compiled(*recorder));
+    evaluation.settle();
+    constexpr double h = 1e-5;
+    evaluation.set_state(0, 0.3 - h);
+    const double before = evaluation.derivatives()[0];
+    evaluation.set_state(0, 0.3 + h);
+    const double after = evaluation.derivatives()[0];
+    evaluation.set_state(0, 0.3);
+    EXPECT_NEAR(evaluation.jacobian()[0][0], (after - before) / (2 * h), 1e-8);  // error of the difference: h^2
+  }
+}
+
+TEST(Loops, LeaveNothingBehindWhereThereAreNone) {
+  Recorder recorder;
+  const StateIn x = add_state(recorder, "x");
+  recorder.record.states[x.index].derivative = -x.value;
+  const auto program = compiled(recorder);
+  EXPECT_TRUE(program->loops.empty());
+  EXPECT_TRUE(program->loop_list.empty());
 }
 
 TEST(InitialValues, MayReadSignalsAndOtherStatesInAnyOrder) {

@@ -33,9 +33,11 @@ std::shared_ptr<const Program> compiled(const Recorder& recorder, std::vector<Va
   return program;
 }
 
-std::string findings_of(const Recorder& recorder) {
+std::string findings_of(const Recorder& recorder, bool solve_loops) {
   Report report;
-  compile(recorder.record, {}, report);
+  CompileOptions options;
+  options.loops_are_errors = !solve_loops;
+  compile(recorder.record, options, report);
   std::string text;
   for (const Finding& finding : report.findings()) text += finding.message + "\n";
   return text;

@@ -28,8 +28,8 @@ StateIn add_discrete(Recorder& recorder, const std::string& name, RateIndex rate
 std::shared_ptr<const Program> compiled(const Recorder& recorder, std::vector<Value> watches = {},
                                         std::vector<Value> numbers = {}, const std::string& unroll_method = {},
                                         double unroll_step = 0);
-// The findings of compiling, one message a line; "" when there are none.
-std::string findings_of(const Recorder& recorder);
+// The findings of compiling, one message a line; "" when there are none. Algebraic loops are errors unless solved.
+std::string findings_of(const Recorder& recorder, bool solve_loops = false);
 
 // A frame in which states, time and parameters are set by the test.
 class Evaluation {
