@@ -67,8 +67,9 @@ std::string summary(const Diagram& diagram, const DiagramRun& run) {
   if (!diagram.model().title.empty()) text += diagram.model().title + "\n";
   text += fmt::format("{} steps", s.solver.steps);
   if (s.solver.rejected > 0) text += fmt::format(" ({} rejected)", s.solver.rejected);
-  text += fmt::format(", {} events, {} rows, to time {:g} s in {:.3f} s\n", s.events, s.rows, run.options.stop,
-                      run.timing.simulate);
+  text += fmt::format(", {} events, {} rows, to time {:g} s in {:.3f} s\n", s.events, s.rows,
+                      run.recording.rows() > 0 ? run.recording.time().back() : run.options.start, run.timing.simulate);
+  if (!s.ended_by.empty()) text += fmt::format("ended by '{}'\n", s.ended_by);
   std::size_t width = 0;
   for (const auto& column : run.recording.columns) {
     if (!column.hidden) width = std::max(width, column.name.size());

@@ -5,9 +5,56 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <memory>
 #include <utility>
 
+#include "engine/base/error.h"
+#include "engine/program/kernel.h"
+
 namespace plantloop {
+
+namespace {
+
+// Inputs of advance: what must hold, then the numbers of the message.
+class Insist final : public Kernel {
+ public:
+  Insist(std::string path, std::string text, std::size_t numbers)
+      : path_(std::move(path)), text_(std::move(text)), numbers_(numbers) {}
+  std::string name() const override { return "condition"; }
+  int outputs() const override { return 0; }
+  bool starts_with_inputs() const override { return false; }
+  void evaluate(const KernelCall&) const override {}
+  void advance(const KernelCall& call) const override {
+    if (call.in[0] != 0) return;
+    std::array<double, 3> n{};
+    std::copy_n(call.in + 1, numbers_, n.begin());
+    const std::string said = fmt::format(fmt::runtime(text_), n[0], n[1], n[2]);
+    throw RunError(fmt::format("at time {:g} s {}", call.time, said), call.time, path_);
+  }
+
+ private:
+  std::string path_, text_;
+  std::size_t numbers_;
+};
+
+}  // namespace
+
+void follow(Now now, Jumps jump, const Discrete& state, const Array& value) {
+  if (!is_sampled(now)) jump.when(becomes(!equal(value, now[state]))).set(state, value);
+}
+
+void insist(Now now, Value holds, const std::string& text, const std::vector<Value>& numbers) {
+  std::vector<Value> inputs{holds};
+  inputs.insert(inputs.end(), numbers.begin(), numbers.end());
+  now.kernel(std::make_shared<Insist>(now.path(), text, numbers.size()), {}, std::move(inputs));
+}
+
+void stay_inside_table(Now now, const std::string& input, Value at, Value least, Value greatest) {
+  insist(now, (at >= least && at <= greatest).value(),
+         fmt::format("{} of block '{}' is {{0:g}}, outside its table from {{1:g}} to {{2:g}}", input, now.path()),
+         {at, least, greatest});
+}
 
 Limits::Limits(Block* block, std::string_view lower_doc, std::string_view upper_doc)
     : lower(block, "lower", {.doc = lower_doc, .optional = true}),
@@ -62,10 +109,10 @@ Array TransferFunction::change(const Array& x, const Array& u) const {
   const Array y = output(x, u);
   const int width = u.size();
   Array result(x.shape());
-  for (std::size_t i = 1; i <= order(); ++i) {
+  for (std::size_t i = 1; i < a_.size(); ++i) {
     for (int e = 0; e < width; ++e) {
       const int at = static_cast<int>(i - 1) * width + e;
-      const Value next = i < order() ? x[at + width] : Value(0);
+      const Value next = i + 1 < a_.size() ? x[at + width] : Value(0);
       result[at] = next + b_[i] * u.at(e) - a_[i] * y[e];
     }
   }
@@ -74,8 +121,8 @@ Array TransferFunction::change(const Array& x, const Array& u) const {
 
 Array TransferFunction::at_rest(const Array& y, const Array& u, bool sampled) const {
   const int width = u.size();
-  Array x(width == 1 ? Shape::vector(static_cast<int>(order())) : Shape::matrix(static_cast<int>(order()), width));
-  for (std::size_t i = 0; i < order(); ++i) {
+  Array x(width == 1 ? Shape::vector(order()) : Shape::matrix(order(), width));
+  for (std::size_t i = 0; i + 1 < a_.size(); ++i) {
     for (int e = 0; e < width; ++e) {
       const int at = static_cast<int>(i) * width + e;
       const Value before = sampled && i > 0 ? x[at - width] : Value(0);
@@ -83,6 +130,13 @@ Array TransferFunction::at_rest(const Array& y, const Array& u, bool sampled) co
     }
   }
   return x;
+}
+
+Value TransferFunction::gain_at_rest(bool sampled) const { return sampled ? sum(b_) / sum(a_) : b_.back() / a_.back(); }
+
+Array TransferFunction::as_wide_as(const Array& x, const Array& input) {
+  const int width = x.shape().rank == 2 ? x.columns() : 1;
+  return width == 1 ? input : input.spread(Shape::vector(width));
 }
 
 void TransferFunction::check(Checking& checking, const Table& num, const Table& den) {
@@ -105,6 +159,32 @@ Shape TransferFunction::state_shape(const Shape& den, const Shape& input) {
   if (!den.is_known() || !input.is_known()) return Shape::unknown();
   const int order = den.size() - 1;
   return input.size() == 1 ? Shape::vector(order) : Shape::matrix(order, input.size());
+}
+
+Array solve_symmetric(const Array& S, const Array& B) {
+  const int n = S.rows();
+  Array L(Shape::matrix(n, n)), X = B;
+  std::vector<Value> D(static_cast<std::size_t>(n));
+  const auto d = [&](int i) -> Value& { return D[static_cast<std::size_t>(i)]; };
+  for (int j = 0; j < n; ++j) {
+    d(j) = S(j, j);
+    for (int k = 0; k < j; ++k) d(j) = d(j) - L(j, k) * L(j, k) * d(k);
+    for (int i = j + 1; i < n; ++i) {
+      Value entry = S(i, j);
+      for (int k = 0; k < j; ++k) entry = entry - L(i, k) * L(j, k) * d(k);
+      L(i, j) = entry / d(j);
+    }
+  }
+  for (int c = 0; c < X.columns(); ++c) {
+    for (int i = 0; i < n; ++i) {
+      for (int k = 0; k < i; ++k) X(i, c) = X(i, c) - L(i, k) * X(k, c);
+    }
+    for (int i = 0; i < n; ++i) X(i, c) = X(i, c) / d(i);
+    for (int i = n; i-- > 0;) {
+      for (int k = i + 1; k < n; ++k) X(i, c) = X(i, c) - L(k, i) * X(k, c);
+    }
+  }
+  return X;
 }
 
 LinearSystem::LinearSystem(const Array& A, const Array& B, const Array& C, const Array& D) {

@@ -1,13 +1,29 @@
-// What several blocks share: limits on a state or output, and transfer functions in canonical form.
+// What several blocks share: events and conditions, limits on a state or output, and transfer functions in canonical
+// form.
 
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/block.h"
 
 namespace plantloop {
+
+// Whether the block at hand runs at hits; otherwise it is continuous, and what it remembers changes at events.
+inline bool is_sampled(Now now) { return !now.period().is(0); }
+
+// Lets a discrete state of a continuous block follow a value that changes at events only: at each change the state
+// takes it. Of a sampled block nothing; its update does that.
+void follow(Now now, Jumps jump, const Discrete& state, const Array& value);
+
+// Ends the run where `holds` is 0 at an accepted instant: what a solver tries in between does not count. The message is
+// "at time 3 s " and the text, in which {0:g}, {1:g} and {2:g} stand for the numbers.
+void insist(Now now, Value holds, const std::string& text, const std::vector<Value>& numbers = {});
+
+// Ends the run where a table's input lies outside its points; `input` names it, as "the input 'u'".
+void stay_inside_table(Now now, const std::string& input, Value at, Value least, Value greatest);
 
 // The optional parameters `lower` and `upper` of a block, and what they do.
 struct Limits {
@@ -40,6 +56,9 @@ class TransferFunction {
   TransferFunction(const Array& num, const Array& den);
   Array output(const Array& x, const Array& u) const;
   Array change(const Array& x, const Array& u) const;
+  // Output by input of a sampled (or continuous) system at rest.
+  Value gain_at_rest(bool sampled) const;
+  int order() const { return static_cast<int>(a_.size()) - 1; }
   // The states of a system whose output has been y and whose input has been u for long; where u does not ask for y in
   // the end, only the last state moves at first.
   Array at_rest(const Array& y, const Array& u, bool sampled) const;
@@ -47,11 +66,16 @@ class TransferFunction {
   static void check(Checking& checking, const Table& num, const Table& den);
   // The shape of the states for an input of a known shape.
   static Shape state_shape(const Shape& den, const Shape& input);
+  // The input with as many elements as there are columns of states.
+  static Array as_wide_as(const Array& x, const Array& input);
 
  private:
-  std::size_t order() const { return a_.size() - 1; }
   std::vector<Value> b_, a_;
 };
+
+// The solution of S X = B for a symmetric, positive definite S, by S = L D L' (G. Golub and C. Van Loan, Matrix
+// Computations, 4.1); B and X are matrices.
+Array solve_symmetric(const Array& S, const Array& B);
 
 // x' = A x + B u (or x[k+1] = ...), y = C x + D u, written with as few brackets as possible: a vector B is a column (of
 // one state: a row), a vector C a row (of one state: a column).

@@ -11,7 +11,9 @@ struct Pi final : Block {
   static constexpr auto details =
       "raw = kp e + I,  I' = ki e,  u = raw between lower and upper.  What a limit cuts off would wind up the "
       "integral; "
-      "anti_windup tracking: I' = ki e + (u - raw)/t_track;  clamp: the integral itself stays within the limits;  "
+      "anti_windup tracking: I' = ki e + (u - raw)/t_track, with the port `track`, what the actuator really did, in "
+      "the place of u, so that another limit or a switch to manual "
+      "control is followed too;  clamp: the integral itself stays within the limits;  "
       "none: nothing is "
       "done.  The gains are ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
   static constexpr auto icon = "kp + ki/s";
@@ -26,6 +28,7 @@ expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
   Input e{this, "e", {.doc = "control error, set point minus measured value"}};
   Input kp{this, "kp", {.doc = "proportional gain", .init = 1}};
   Input ki{this, "ki", {.doc = "integral gain, per second", .init = 1}};
+  Input track{this, "track", {.doc = "what the actuator did, for anti_windup tracking; default: u", .init = 0}};
   Limits limits{this, "least value of the output", "greatest value of the output"};
   Choice anti_windup{
       this, "anti_windup", {.of = {"tracking", "clamp", "none"}, .doc = "what happens to the integral at a limit"}};
@@ -48,9 +51,7 @@ expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
   void derivatives(Now now, Rates rate) const override {
     Array change = now[ki] * now[e];
     if (anti_windup.is("clamp")) change = limits.stand_still(now, now[I], change);
-    if (anti_windup.is("tracking") && limits.given(now)) {
-      change = change + (limits.clamp(now, raw(now)) - raw(now)) / now[t_track];
-    }
+    if (anti_windup.is("tracking")) change = change + excess(now) / now[t_track];
     rate[I] = change;
   }
   void jumps(Now now, Jumps jump) const override {
@@ -58,6 +59,11 @@ expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
   }
 
  private:
+  // What was done beyond what was wanted: below 0 at an upper limit.
+  Array excess(Now now) const {
+    if (now.connected(track)) return now[track] - raw(now);
+    return limits.given(now) ? limits.clamp(now, raw(now)) - raw(now) : Array(0.0);
+  }
   Array raw(Now now) const { return now[kp] * now[e] + now[I]; }
 };
 

@@ -13,7 +13,9 @@ struct Pid final : Block {
       "s/(s + N). "
       "x starts at e, so the derivative part starts at 0.  What a limit cuts off would wind up the integral; "
       "anti_windup tracking: "
-      "I' = ki e + (u - raw)/t_track;  clamp: the integral itself stays within the limits;  none: nothing is done.  "
+      "I' = ki e + (u - raw)/t_track, with the port `track`, what the actuator really did, in the place of u, so that "
+      "another limit or a switch to manual "
+      "control is followed too;  clamp: the integral itself stays within the limits;  none: nothing is done.  "
       "The gains are "
       "ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
   static constexpr auto icon = "kp + ki/s + kd*N*s/(s + N)";
@@ -30,6 +32,7 @@ expect: [{signal: plant, measure: final, value: 1, abs: 0.02}]
   Input ki{this, "ki", {.doc = "integral gain, per second", .init = 1}};
   Input kd{this, "kd", {.doc = "derivative gain, in seconds", .init = 0}};
   Number N{this, "N", {.init = 100, .unit = "rad/s", .doc = "pole of the derivative's filter", .above = 0}};
+  Input track{this, "track", {.doc = "what the actuator did, for anti_windup tracking; default: u", .init = 0}};
   Limits limits{this, "least value of the output", "greatest value of the output"};
   Choice anti_windup{
       this, "anti_windup", {.of = {"tracking", "clamp", "none"}, .doc = "what happens to the integral at a limit"}};
@@ -54,9 +57,7 @@ expect: [{signal: plant, measure: final, value: 1, abs: 0.02}]
   void derivatives(Now now, Rates rate) const override {
     Array change = now[ki] * now[e];
     if (anti_windup.is("clamp")) change = limits.stand_still(now, now[I], change);
-    if (anti_windup.is("tracking") && limits.given(now)) {
-      change = change + (limits.clamp(now, raw(now)) - raw(now)) / now[t_track];
-    }
+    if (anti_windup.is("tracking")) change = change + excess(now) / now[t_track];
     rate[I] = change;
     rate[x] = derivative(now);
   }
@@ -66,6 +67,11 @@ expect: [{signal: plant, measure: final, value: 1, abs: 0.02}]
 
  private:
   Array derivative(Now now) const { return now[N] * (now[e] - now[x]); }
+  // What was done beyond what was wanted: below 0 at an upper limit.
+  Array excess(Now now) const {
+    if (now.connected(track)) return now[track] - raw(now);
+    return limits.given(now) ? limits.clamp(now, raw(now)) - raw(now) : Array(0.0);
+  }
   Array raw(Now now) const { return now[kp] * now[e] + now[I] + now[kd] * derivative(now); }
 };
 

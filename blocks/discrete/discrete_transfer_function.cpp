@@ -50,11 +50,7 @@ expect: [{signal: y, at: 3, value: 1.75}]
   }
 
  private:
-  // As many as there are outputs.
-  Array input(Now now) const {
-    const int width = now[x].shape().rank == 2 ? now[x].columns() : 1;
-    return width == 1 ? now[u] : now[u].spread(Shape::vector(width));
-  }
+  Array input(Now now) const { return TransferFunction::as_wide_as(now[x], now[u]); }
 };
 
 }  // namespace

@@ -51,7 +51,6 @@ expect: [{signal: T, measure: max, value: 20.5, abs: 1e-6}, {signal: T, measure:
   }
 
  private:
-  static bool is_sampled(Now now) { return !now.period().is(0); }
   Array is_on(Now now) const {
     if (!is_sampled(now)) return now[state];
     return where(now[u] >= now[on], 1.0, where(now[u] <= now[off], 0.0, now[state]));

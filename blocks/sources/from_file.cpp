@@ -52,7 +52,8 @@ class RowOfFile final : public Kernel {
 struct FromFile final : Block {
   static constexpr auto summary = "Give signals that are read from a CSV file.";
   static constexpr auto details =
-      "The column `time_column` (default: the first one) holds ascending times in s, `column` one or several signals "
+      "The column `time_column` (default: the first one) holds ascending times in s, two rows of one time are a jump; "
+      "`column` one or several signals "
       "(\"v\", \"v, i\"; "
       "default: the second one). interpolation hold: the value of the last row; linear: straight lines between the "
       "rows. Before the "
@@ -153,7 +154,7 @@ expect: [{signal: v, at: 1.2, value: 3}]
       return false;
     }
     for (std::size_t i = 0; i < signals.time.size(); ++i) {
-      if (i > 0 && !(signals.time[i] > signals.time[i - 1])) {
+      if (i > 0 && !(signals.time[i] >= signals.time[i - 1])) {
         problem(file, fmt::format("the times in '{}' must ascend, but row {} has {:g} s after {:g} s", file.value(),
                                   i + 1, signals.time[i], signals.time[i - 1]));
         return false;

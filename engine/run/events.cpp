@@ -181,13 +181,9 @@ std::vector<int> Events::guards_fired_by_now(const std::vector<int>& just_fired)
   std::vector<double>& values = guard_values_;
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = frame_.arena[program_.guard_list.roots[i]];
-    const int sign = values[i] > 0 ? 1 : values[i] < 0 ? -1 : 0;
     const Program::Guard& guard = program_.guards[i];
     const bool new_one = std::find(just_fired.begin(), just_fired.end(), static_cast<int>(i)) == just_fired.end();
-    if (guard.is_jump && new_one && sign != 0 && roots_.signs()[i] == -sign &&
-        (guard.direction == 0 || guard.direction == sign)) {
-      fired.push_back(static_cast<int>(i));
-    }
+    if (guard.is_jump && new_one && roots_.fires(i, values[i])) fired.push_back(static_cast<int>(i));
   }
   roots_.remember_fired(just_fired, values);
   // The memory of those that fired is not touched again.

@@ -52,8 +52,10 @@ KernelCall KernelAdvance::call_of(const Program::KernelState& kernel) {
 void KernelAdvance::advance(const Program::KernelState& kernel, bool left) {
   KernelCall call = call_of(kernel);
   call.left = left;
-  call.end = &run_.ended;
+  bool end = false;
+  call.end = &end;
   kernel.kernel->advance(call);
+  if (end && !run_.ended()) run_.statistics.ended_by = program_.sites[kernel.site].path;
 }
 
 double KernelAdvance::next_jump() {

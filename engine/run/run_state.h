@@ -29,9 +29,9 @@ struct RunState {
   double t = 0;  // s; everything until here has happened
   std::optional<Clockwork> clockwork;
   std::unique_ptr<Integrator> integrator;  // null without continuous states
-  bool ended = false;                      // a kernel ends the run here
   bool restart = true;  // the states, or what their derivatives read, changed: the integrator must forget the past
   RunStatistics statistics;
+  bool ended() const { return !statistics.ended_by.empty(); }
 
   // At an accepted step or after an event: the unknowns of all loops at the frame's states and time are where the next
   // search begins.

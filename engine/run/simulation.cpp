@@ -48,11 +48,11 @@ class Runner {
 
   RunStatistics run() {
     start();
-    while (run_.t < options_.stop && !run_.ended) {
+    while (run_.t < options_.stop && !run_.ended()) {
       const double stop = next_stop();
       const double grid = next_grid_stop();
       advance_to(grid < stop && !is_same_instant(grid, stop) ? grid : stop);
-      if (run_.t >= stop && !run_.ended) at_stop();
+      if (run_.t >= stop && !run_.ended()) at_stop();
     }
     finish();
     return run_.statistics;
@@ -166,7 +166,7 @@ class Runner {
       run_.accept_loops();
       if (!kernels_.none()) {
         kernels_.through(before, after);
-        if (run_.ended) return;
+        if (run_.ended()) return;
         run_.integrator->limit_step(kernels_.longest_step());
       }
     }

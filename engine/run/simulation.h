@@ -38,6 +38,7 @@ struct RunControl {
 struct RunStatistics {
   SolverStatistics solver;
   std::int64_t rows = 0, hits = 0, events = 0, mode_changes = 0;
+  std::string ended_by;  // path of the block that ended the run before its stop time; "": none did
 };
 
 // Runs from the initial values to the stop time. `columns` name the Program's watches, in their order; rates index

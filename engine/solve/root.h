@@ -48,13 +48,14 @@ class RootFinder {
   void remember(std::span<const double> values);
   // The same for functions that fired: a zero counts as the other side, so that leaving it there does not fire again.
   void remember_fired(std::span<const int> fired, std::span<const double> values);
+  // Whether function i fires when it comes to this value from what is remembered.
+  bool fires(std::size_t i, double value) const;
   // The values at t1 of the last first() that found nothing.
   std::span<const double> values() const { return right_; }
   // The last nonzero signs, -1 or 1; 0 while a function was only zero. Writable: checkpoints keep them.
   std::vector<std::int8_t>& signs() { return signs_; }
 
  private:
-  bool fires(std::size_t i, double value) const;
   bool collect(const std::vector<double>& values);
   double estimate(double a, double b) const;
 

@@ -170,6 +170,44 @@ blocks:
   EXPECT_LT(r.greatest("difference.2"), tolerance);
 }
 
+TEST(StateSpace, TakesAVectorDForOneInputOrOneOutput) {
+  const Signals r = run(R"(
+blocks:
+  one_output: {type: state_space, in: [1, time], A: -1, B: [[1, 0]], C: 1, D: [2, 3]}
+  one_input: {type: state_space, in: time, A: -1, B: 0, C: [[1], [0]], D: [2, 3], initial: 1}
+  difference: [one_output - (3 - exp(-time) + 3*time), one_input.1 - (exp(-time) + 2*time), one_input.2 - 3*time]
+)" + accurate);
+  for (const char* d : {"difference.1", "difference.2", "difference.3"}) EXPECT_LT(r.greatest(d), tolerance) << d;
+}
+
+TEST(TransferFunction, MayHaveLeadingZerosAndNoNumeratorAtAll) {
+  const Signals r = run(R"(
+blocks:
+  same: {type: transfer_function, in: 1, num: [0, 0, 0, 2], den: [1, 1]}
+  none: {type: transfer_function, in: 1, num: [0], den: [1, 1]}
+  difference: same - 2*(1 - exp(-time))
+)" + accurate);
+  EXPECT_LT(r.greatest("difference"), tolerance);
+  EXPECT_EQ(r.greatest("none"), 0);
+}
+
+TEST(Integrator, MayStartAtALimit) {
+  // Moved to its limits at the start; there it stands still while the rate points outwards.
+  const Signals r = run(R"(
+blocks:
+  u: {type: staircase, times: [0, 1, 2], values: [1, -1, 1]}
+  x: {type: integrator, in: u, initial: 3, lower: -1, upper: 0.5}
+  v: {type: integrator, in: [1, -2], lower: [-9, -1], upper: [0.25, 9]}
+)" + accurate);
+  EXPECT_EQ(r.at("x", 0), 0.5);
+  EXPECT_EQ(r.at("x", 0.99), 0.5);
+  EXPECT_NEAR(r.at("x", 2), -0.5, 1e-12);
+  EXPECT_NEAR(r.at("x", 2.5), 0, 1e-9);
+  EXPECT_EQ(r.last("x"), 0.5);
+  EXPECT_EQ(r.last("v.1"), 0.25);
+  EXPECT_EQ(r.last("v.2"), -1);
+}
+
 TEST(StateSpace, SaysWhichMatrixDoesNotFit) {
   const auto with = [](const std::string& matrices) {
     return findings("blocks: {y: {type: state_space, in: 1, " + matrices + "}}\nsimulation: {stop: 1}\n");

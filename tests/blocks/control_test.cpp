@@ -56,6 +56,33 @@ blocks:
   EXPECT_NEAR(r.last("wound_up.u"), 1, tolerance);
 }
 
+TEST(Pi, FollowsWhatTheActuatorDid) {
+  // Under manual control at 2: I' = (2 - I)/t_track with e = 0; switched over, u goes on from there.
+  const Signals r = run(R"(
+blocks:
+  c: {type: pi, in: {e: 0, track: 2}, kp: 5, ki: 1, t_track: 0.5}
+  full: {type: pid, in: {e: 0, track: 2}, kp: 5, ki: 1, kd: 1, t_track: 0.5}
+  sampled: {type: discrete_pid, in: {e: 0, track: 2}, kp: 5, t_track: 0.5, rate: 0.125}
+  difference: [c - 2*(1 - exp(-2*time)), full - 2*(1 - exp(-2*time))]
+record: [difference, sampled.u]
+)" + accurate);
+  EXPECT_LT(r.greatest("difference.1"), tolerance);
+  EXPECT_LT(r.greatest("difference.2"), tolerance);
+  for (std::size_t k = 0; k < 20; ++k)
+    EXPECT_NEAR(r.samples("sampled.u")[k], 2 * (1 - std::pow(0.75, static_cast<double>(k))), 1e-12);
+}
+
+TEST(Pi, FollowsALimitThatStandsOutside) {
+  const Signals r = run(R"(
+blocks:
+  inside: {type: pi, in: 1, kp: 0, ki: 1, upper: 1, t_track: 0.25}
+  outside: {type: pi, in: {e: 1, track: actuator}, kp: 0, ki: 1, t_track: 0.25}
+  actuator: {type: saturation, in: outside, upper: 1}
+  difference: inside.integral - outside.integral
+)" + accurate);
+  EXPECT_LT(r.greatest("difference"), tolerance);
+}
+
 TEST(Pid, AnswersARampAsItsTransferFunction) {
   // e = t: kp t + ki t^2/2 + kd (1 - exp(-N t))
   const Signals r = run(R"(

@@ -31,6 +31,20 @@ TEST(FromFile, DrawsStraightLinesBetweenRows) {
   EXPECT_EQ(r.at("y.2", 4), -6);
 }
 
+TEST(FromFile, JumpsWhereTwoRowsHaveOneTime) {
+  const auto with = [](const std::string& interpolation) {
+    return run("blocks:\n  y: {type: from_file, file: tests/blocks/jump.csv, interpolation: " + interpolation +
+               "}\n  x: {type: integrator, in: y}\nsimulation: {stop: 3}\n");
+  };
+  const Signals held = with("hold"), lines = with("linear");
+  EXPECT_EQ(held.at("y", 1, true), 0);
+  EXPECT_EQ(held.at("y", 1), 5);
+  EXPECT_NEAR(held.last("x"), 0 + 5 + 1, 1e-12);
+  EXPECT_EQ(lines.at("y", 1, true), 2);
+  EXPECT_EQ(lines.at("y", 1), 5);
+  EXPECT_NEAR(lines.last("x"), 1 + 3 + 1, 1e-12);
+}
+
 TEST(FromFile, TakesTheSecondColumnByDefault) {
   const Signals r = run("blocks: {y: {type: from_file, file: tests/blocks/signals.csv}}\nsimulation: {stop: 4}\n");
   EXPECT_EQ(r.at("y", 1.2), 3);

@@ -262,6 +262,23 @@ simulation: {stop: 4}
   EXPECT_NEAR(r.last("x"), 3, 1e-11);
 }
 
+TEST(Lookup1d, HoldsAndTakesTheNearestPoint) {
+  const Signals r = run(R"(
+blocks:
+  held: {type: lookup_1d, in: time, x: [0, 1, 3], y: [1, 3, -1], interpolation: hold}
+  nearest: {type: lookup_1d, in: time - 1, x: [0, 1, 3], y: [1, 3, -1], interpolation: nearest, outside: linear}
+  x: {type: integrator, in: [held, nearest]}
+simulation: {stop: 4}
+)");
+  EXPECT_EQ(r.at("held", 1, true), 1);
+  EXPECT_EQ(r.at("held", 1), 3);
+  EXPECT_EQ(r.last("held"), -1);
+  EXPECT_EQ(r.at("nearest", 0), 1);
+  EXPECT_EQ(r.at("nearest", 2), 3);
+  EXPECT_NEAR(r.last("x.1"), 1 + 2 * 3 - 1, 1e-11);
+  EXPECT_NEAR(r.last("x.2"), 1.5 * 1 + 1.5 * 3 - 1, 1e-11);
+}
+
 TEST(Lookup1d, EndsTheRunOutsideWhenTold) {
   const std::string text = "blocks: {torque: {type: lookup_1d, in: 2*time, x: [0, 1], y: [0, 1], outside: error}}\n";
   try {

@@ -91,6 +91,24 @@ simulation: {stop: 10.3}
   EXPECT_NEAR(r.last("x"), 10, 1e-12);
 }
 
+TEST(Pulse, MayBeginBeforeTheStart) {
+  // Edges at -0.3, 0.7, 1.7, ...; a width of 0 is no pulse at all.
+  const Signals r = run(R"(
+blocks:
+  y: {type: pulse, period: 1, width: 0.5, delay: -0.3}
+  s: {type: square, period: 1, width: 0.25, delay: -0.5}
+  none: {type: pulse, period: 1, width: 0}
+simulation: {stop: 2}
+)");
+  EXPECT_EQ(r.at("y", 0), 1);
+  EXPECT_EQ(r.at("y", 0.2), 0);
+  EXPECT_EQ(r.at("y", 0.7), 1);
+  EXPECT_EQ(r.at("s", 0), -1);
+  EXPECT_EQ(r.at("s", 0.5), 1);
+  EXPECT_EQ(r.at("s", 0.75), -1);
+  EXPECT_EQ(r.greatest("none"), 0);
+}
+
 TEST(Square, AlternatesWithHalfAPeriodByDefault) {
   const Signals r = run(R"(
 blocks:

@@ -30,7 +30,9 @@ TEST(EveryBlock, RunsWithItsDefaults) {
     SCOPED_TRACE(sample.type->name);
     const Signals r = run(diagram(sample));
     EXPECT_GE(r.recording().columns.size(), sample.type->block->outputs_declared.size());
-    EXPECT_EQ(r.recording().time().back(), 2);
+    if (r.whole().statistics.ended_by != "it") {
+      EXPECT_EQ(r.recording().time().back(), 2);
+    }
   }
 }
 

@@ -18,14 +18,19 @@ double fitting(double wanted, double min, double max, double above) {
   return wanted > above ? wanted : above + 1;
 }
 
+// What tables are filled with.
+enum class Fill { vectors, numbers, matrices };
+
 // Capital letters are matrices; the zero in the corner is there so that zeros matter.
-std::string table_value(const Table& table, bool one_number) {
+std::string table_value(const Table& table, Fill fill) {
   const TableSpec& spec = table.spec;
-  if (one_number) return fmt::format("{}", fitting(0.3, spec.min, spec.max, spec.above));
+  if (fill == Fill::numbers) return fmt::format("{}", fitting(0.3, spec.min, spec.max, spec.above));
   if (table.name.size() == 1 && table.name[0] >= 'A' && table.name[0] <= 'Z') return "[[-1, 0.5], [0.25, 0]]";
   if (spec.ascending) return "[0, 1, 2]";
   const auto number = [&](double wanted) { return fmt::format("{}", fitting(wanted, spec.min, spec.max, spec.above)); };
-  return fmt::format("[{}, {}, {}]", number(1), number(2), number(3));
+  const std::string row = fmt::format("[{}, {}, {}]", number(1), number(2), number(3));
+  return fill == Fill::matrices ? fmt::format("[{}, [{}, {}, {}], {}]", row, number(3), number(2), number(4), row)
+                                : row;
 }
 
 std::string record_list(const Sample& sample, const std::string& name) {
@@ -34,7 +39,7 @@ std::string record_list(const Sample& sample, const std::string& name) {
   return text;
 }
 
-Sample with_parameters(const BlockType& type, bool one_number) {
+Sample with_parameters(const BlockType& type, Fill fill) {
   Sample sample;
   sample.type = &type;
   const Block& block = *type.block;
@@ -43,7 +48,7 @@ Sample with_parameters(const BlockType& type, bool one_number) {
     sample.parameters.emplace_back(n->name, fmt::format("{}", fitting(1, n->spec.min, n->spec.max, n->spec.above)));
   }
   for (const Table* t : block.tables) {
-    if (t->spec.init.empty() && !t->spec.optional) sample.parameters.emplace_back(t->name, table_value(*t, one_number));
+    if (t->spec.init.empty() && !t->spec.optional) sample.parameters.emplace_back(t->name, table_value(*t, fill));
   }
   for (const Text* t : block.texts) {
     if (t->spec.file && !t->spec.optional) sample.parameters.emplace_back(t->name, "tests/blocks/signals.csv");
@@ -53,10 +58,11 @@ Sample with_parameters(const BlockType& type, bool one_number) {
   return sample;
 }
 
-// Vectors and matrices for tables, or single numbers; every combination of 1, 2 and 3 elements for the ports of a size
+// Vectors, single numbers or matrices for tables; every combination of 1, 2 and 3 elements for the ports of a size
 // of their own.
 std::vector<Sample> candidates(const BlockType& type) {
-  std::vector<Sample> found{with_parameters(type, false), with_parameters(type, true)};
+  std::vector<Sample> found{with_parameters(type, Fill::vectors), with_parameters(type, Fill::numbers),
+                            with_parameters(type, Fill::matrices)};
   const auto extend = [&](const std::string& port, const Size& size) {
     std::vector<Sample> longer;
     for (const Sample& sample : found) {

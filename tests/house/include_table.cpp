@@ -23,7 +23,8 @@ const std::vector<Layer>& layers() {
         "engine/run"}},
       {"blocks",
        "blocks",
-       {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_random.h", "engine/program/kernel.h"}},
+       {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_design.h", "engine/block_random.h",
+        "engine/program/kernel.h"}},
       // Model files are YAML, and there is one reader of YAML.
       {"identify", "identify", {"engine/base", "engine/diagram/document.h"}},
       {"render", "render", {"engine/base"}},
