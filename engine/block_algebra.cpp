@@ -94,8 +94,10 @@ void check_order(Checking& checking, const Number& lower, const Number& upper, b
 TransferFunction::TransferFunction(const Array& num, const Array& den) {
   for (int i = 0; i < den.size(); ++i) a_.push_back(i == 0 ? Value(1.0) : den[i] / den[0]);
   b_.resize(a_.size(), 0.0);
-  const int shift = den.size() - num.size();
-  for (int i = std::max(0, -shift); i < num.size(); ++i) b_[static_cast<std::size_t>(i + shift)] = num[i] / den[0];
+  // From the lowest powers up; what num has beyond them are zeros.
+  for (std::size_t i = 1; i <= std::min(b_.size(), static_cast<std::size_t>(num.size())); ++i) {
+    b_[b_.size() - i] = num[num.size() - static_cast<int>(i)] / den[0];
+  }
 }
 
 Array TransferFunction::output(const Array& x, const Array& u) const {

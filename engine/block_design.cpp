@@ -41,8 +41,8 @@ std::vector<Complex> roots_of(Checking& checking, const Table& table) {
 void Roots::check(Checking& checking, const Table& zeros, const Table& poles) {
   const std::size_t above = roots_of(checking, zeros).size(), below = roots_of(checking, poles).size();
   if (above <= below) return;
-  checking.problem(zeros, fmt::format("there are {} zeros and {} poles: a filter whose output would need derivatives "
-                                      "or future values of its input cannot be built",
+  checking.problem(zeros, fmt::format("there are more zeros, {}, than poles, {}: a filter whose output would need "
+                                      "derivatives or future values of its input cannot be built",
                                       above, below));
 }
 

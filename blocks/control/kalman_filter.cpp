@@ -79,7 +79,7 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
   }
   void outputs(Now now, Out out) const override {
     const Array known = estimate.is("current") ? correct(now).x : now[predicted];
-    const Array fit = mul(matrix_C(now), known) + through(now, D, measurements(now));
+    const Array fit = mul(output_matrix(now), known) + through(now, D, measurements(now));
     out[x] = known.size() == 1 ? known.spread(Shape::scalar()) : known;
     out[fitted] = fit.size() == 1 ? fit.spread(Shape::scalar()) : fit;
   }
@@ -98,7 +98,7 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
 
   static Shape one_or_many(int n) { return n == 1 ? Shape::scalar() : Shape::vector(n); }
   int measurements(Now now) const { return now[C].size() / now[A].rows(); }
-  Array matrix_C(Now now) const { return now[C].spread(Shape::matrix(measurements(now), now[A].rows())); }
+  Array output_matrix(Now now) const { return now[C].spread(Shape::matrix(measurements(now), now[A].rows())); }
 
   void check_inputs(Sizing& sizing, int n, int p) const {
     const Shape b = sizing.of(B), d = sizing.of(D);
@@ -136,7 +136,7 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
 
   Corrected correct(Now now) const {
     const int n = now[A].rows(), p = measurements(now);
-    const Array c = matrix_C(now), before = now[covariance], noise = full(now[R], p);
+    const Array c = output_matrix(now), before = now[covariance], noise = full(now[R], p);
     const Array cross = mul(c, before);  // C P-, transposed P- C'
     const Array gain = transpose(solve_symmetric(mul(cross, transpose(c)) + noise, cross));
     const Array innovation = now[y].spread(Shape::vector(p)) - mul(c, now[predicted]) - through(now, D, p);

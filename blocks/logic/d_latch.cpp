@@ -37,7 +37,11 @@ expect:
   Output not_q{this, "not_q", {.doc = "0 or 1"}};
 
   RateKind rate_kind() const override { return RateKind::any; }
-  void initial(Now now, Init init) const override { init[state] = (now[initial_value] > 0.0).array; }
+  // What holds at the start is no event, so an open latch starts with what it gives.
+  void initial(Now now, Init init) const override {
+    const Array before = (now[initial_value] > 0.0).array;
+    init[state] = takes.is("level") && !is_sampled(now) ? followed(now, before) : before;
+  }
   void outputs(Now now, Out out) const override {
     out[q] = value(now);
     out[not_q] = 1.0 - value(now);
@@ -53,9 +57,10 @@ expect:
   }
 
  private:
+  Array followed(Now now, const Array& before) const { return where(now[c] > 0.0, (now[d] > 0.0).array, before); }
   Truths rises(Now now) const { return now[c] > 0.0 && equal(now[was], 0.0); }
   Array value(Now now) const {
-    if (takes.is("level")) return where(now[c] > 0.0, (now[d] > 0.0).array, now[state]);
+    if (takes.is("level")) return followed(now, now[state]);
     return is_sampled(now) ? where(rises(now), (now[d] > 0.0).array, now[state]) : now[state];
   }
 };

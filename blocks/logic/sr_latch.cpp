@@ -33,19 +33,23 @@ expect:
   Output not_q{this, "not_q", {.doc = "0 or 1"}};
 
   RateKind rate_kind() const override { return RateKind::any; }
-  void initial(Now now, Init init) const override { init[state] = (now[initial_value] > 0.0).array; }
-  void outputs(Now now, Out out) const override {
-    out[q] = value(now);
-    out[not_q] = 1.0 - value(now);
+  // What holds at the start is no event, so a continuous latch starts with what it gives.
+  void initial(Now now, Init init) const override {
+    const Array before = (now[initial_value] > 0.0).array;
+    init[state] = is_sampled(now) ? before : value(now, before);
   }
-  void update(Now now, Next next) const override { next[state] = value(now); }
-  void jumps(Now now, Jumps jump) const override { follow(now, jump, state, value(now)); }
+  void outputs(Now now, Out out) const override {
+    out[q] = value(now, now[state]);
+    out[not_q] = 1.0 - value(now, now[state]);
+  }
+  void update(Now now, Next next) const override { next[state] = value(now, now[state]); }
+  void jumps(Now now, Jumps jump) const override { follow(now, jump, state, value(now, now[state])); }
 
  private:
-  Array value(Now now) const {
+  Array value(Now now, const Array& before) const {
     const Truths on = now[s] > 0.0, off = now[r] > 0.0;
-    if (both.is("set")) return where(on, 1.0, where(off, 0.0, now[state]));
-    return where(off, 0.0, where(on, 1.0, now[state]));
+    if (both.is("set")) return where(on, 1.0, where(off, 0.0, before));
+    return where(off, 0.0, where(on, 1.0, before));
   }
 };
 

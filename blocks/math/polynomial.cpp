@@ -1,5 +1,7 @@
 // A polynomial of a signal.
 
+#include <fmt/format.h>
+
 #include "engine/block.h"
 
 namespace plantloop {
@@ -23,7 +25,9 @@ expect: [{signal: y, at: 3, value: 7, abs: 1e-12}]
   void sizes(Sizing& sizing) const override {
     const Shape c = sizing.of(coefficients);
     if (c.is_known() && c.size() == 0) return sizing.problem(coefficients, "a polynomial needs a coefficient");
-    if (c.is_known() && c.rank == 2) sizing.problem(coefficients, "coefficients are a vector, [1, 0, -2] for u^2 - 2");
+    if (c.is_known() && c.rank == 2)
+      sizing.problem(coefficients,
+                     fmt::format("coefficients are a vector, [1, 0, -2] for u^2 - 2, but they are {}", to_string(c)));
   }
 
   void outputs(Now now, Out out) const override {

@@ -1,5 +1,6 @@
 // A sine wave whose frequency changes.
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 
@@ -34,11 +35,14 @@ expect: [{signal: u, at: 10, value: sin(30), abs: 1e-12}]
 
   void check(Checking& checking) const override {
     const auto first = checking.of(frequency), last = checking.of(final_frequency);
-    for (std::size_t i = 0; i < std::max(first.size(), last.size()) && !first.empty() && !last.empty(); ++i) {
+    if (!sweep.is("logarithmic") || first.empty() || last.empty()) return;
+    for (std::size_t i = 0; i < std::max(first.size(), last.size()); ++i) {
       const double w0 = first[std::min(i, first.size() - 1)], w1 = last[std::min(i, last.size() - 1)];
       if (w0 > 0 && w1 > 0 && w0 != w1) continue;
-      logarithm_fails(checking, w0 <= 0);
-      return;
+      return checking.problem(w0 > 0 ? final_frequency : frequency,
+                              fmt::format("a logarithmic sweep goes between two different frequencies greater than 0, "
+                                          "but they are {:g} and {:g}",
+                                          w0, w1));
     }
   }
 
@@ -51,13 +55,6 @@ expect: [{signal: u, at: 10, value: sin(30), abs: 1e-12}]
       angle = w0 * (exp(rate * t) - 1.0) / rate;
     }
     out[y] = now[bias] + now[amplitude] * sin(now[phase] + angle);
-  }
-
- private:
-  void logarithm_fails(Checking& checking, bool at_start) const {
-    if (!sweep.is("logarithmic")) return;
-    checking.problem(at_start ? frequency : final_frequency,
-                     "a logarithmic sweep goes between two different frequencies greater than 0");
   }
 };
 

@@ -1,5 +1,6 @@
 // Straight lines between points, again and again.
 
+#include <fmt/format.h>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +36,8 @@ expect:
 
   void check(Checking& checking) const override {
     const auto t = checking.of(times);
-    if (!t.empty() && t[0] != 0) checking.problem(times, "the first time of a sequence that repeats is 0");
+    if (t.empty() || t[0] == 0) return;
+    checking.problem(times, fmt::format("the first time of a sequence that repeats is 0, but it is {:g}", t[0]));
   }
 
   void sizes(Sizing& sizing) const override {

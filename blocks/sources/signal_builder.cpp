@@ -1,5 +1,6 @@
 // A signal of straight lines between given points.
 
+#include <fmt/format.h>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,7 +39,10 @@ expect:
     const auto t = checking.of(times);
     for (std::size_t i = 0; i + 1 < t.size(); ++i) {
       if (t[i + 1] < t[i])
-        return checking.problem(times, "the times of the points must not descend; equal ones are a jump");
+        return checking.problem(
+            times,
+            fmt::format("the times of the points must not descend, but {:g} stands after {:g}; equal ones are a jump",
+                        t[i + 1], t[i]));
     }
     if (outside.is("linear") && t.size() > 1 && (t[0] == t[1] || t[t.size() - 2] == t.back()))
       checking.problem(times, "outside: linear goes on with the outermost lines, so no jump may stand there");

@@ -100,6 +100,8 @@ class Judge {
       if (!(at >= run_.options.start && at <= run_.options.stop)) {
         verdict.measured =
             fmt::format("not measured: the run went from {:g} s to {:g} s", run_.options.start, run_.options.stop);
+      } else if (std::isnan(run_.recording.sampled(column, at)) && !run_.statistics.ended_by.empty()) {
+        verdict.measured = fmt::format("not measured: '{}' ended the run before", run_.statistics.ended_by);
       }
       return;
     }

@@ -48,7 +48,7 @@ blocks:
 
 TEST(ZeroPoleGain, SaysWhatIsWrongWithItsRoots) {
   EXPECT_THAT(wrong("type: zero_pole_gain, in: 1, zeros: [1, 2], poles: 3"),
-              HasSubstr("there are 2 zeros and 1 poles: a filter whose output would need derivatives"));
+              HasSubstr("there are more zeros, 2, than poles, 1: a filter whose output would need derivatives"));
   EXPECT_THAT(wrong("type: zero_pole_gain, in: 1, poles: [[-1, 2], [-1, -3]]"),
               HasSubstr("beside [-1, 2] there must be [-1, -2]"));
   EXPECT_THAT(wrong("type: zero_pole_gain, in: 1, poles: [[-1, 2, 3]]"), HasSubstr("there are 3 columns"));

@@ -93,6 +93,25 @@ simulation: {stop: 2*pi}
   EXPECT_NEAR(r.last("x.3"), pi / 6 + 2 * pi - 5 * pi / 6, located);
 }
 
+TEST(SrLatch, RemembersWhatHeldAtTheStart) {
+  const Signals r = run(R"(
+blocks:
+  s: {type: step, time: 1, before: 1, after: 0}
+  r: {type: step, time: 2}
+  q: {type: sr_latch, in: {s: s, r: r}}
+  open: {type: d_latch, in: {d: s, c: 1 - r}, takes: level}
+  closed: {type: d_latch, in: {d: 2 - time, c: s}, takes: level}
+simulation: {stop: 3}
+record: [q, open, closed]
+)");
+  EXPECT_EQ(r.at("q", 0.5), 1);
+  EXPECT_EQ(r.at("q", 1.5), 1);
+  EXPECT_EQ(r.last("q"), 0);
+  EXPECT_EQ(r.at("open", 0.5), 1);
+  EXPECT_EQ(r.at("open", 1.5), 0);
+  EXPECT_EQ(r.last("closed"), 1);
+}
+
 TEST(DLatch, TakesAnEdgeOrFollowsALevel) {
   const Signals r = run(sampled(R"(
   edge: {type: d_latch, in: {d: u, c: v}, rate: 1}

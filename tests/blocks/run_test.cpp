@@ -41,6 +41,15 @@ TEST(Stop, EndsTheRunAtASampleAStepOrTheStart) {
   EXPECT_EQ(whole.whole().statistics.ended_by, "");
 }
 
+TEST(Stop, LeavesWhatWasExpectedLaterOpen) {
+  const Signals r =
+      run("blocks:\n  x: {type: integrator, in: 1}\n  end: {type: stop, in: x - 2}\n"
+          "simulation: {stop: 10}\nexpect: [{signal: x, at: 1, value: 1, abs: 1e-9}, {signal: x, at: 5, value: 5}]\n");
+  EXPECT_TRUE(r.whole().verdicts[0].met);
+  EXPECT_FALSE(r.whole().verdicts[1].met);
+  EXPECT_THAT(r.whole().verdicts[1].measured, StrEq("not measured: 'end' ended the run before"));
+}
+
 TEST(Stop, EndsWithEverySolverAndStep) {
   for (const RunRequest& request : {RunRequest{.step = 0.3, .solver = "rk4"}, RunRequest{.solver = "bdf"}}) {
     const Signals r =
