@@ -9,6 +9,7 @@
 #include "app/draw.h"
 #include "app/request.h"
 #include "engine/base/files.h"
+#include "render/image.h"
 
 namespace plantloop::app {
 
@@ -89,7 +90,10 @@ PLANTLOOP_COMMAND(plot) {
   parser.add_option("--figures", o->figures, "folder for the figures, <figure name>.<format>")
       ->type_name("DIR")
       ->capture_default_str();
-  parser.add_option("--format", o->format, "formats of the figures: png, svg or both, separated by commas")
+  parser
+      .add_option(
+          "--format", o->format,
+          fmt::format("formats of the figures, separated by commas: {}", fmt::join(plantloop::picture_formats(), ", ")))
       ->capture_default_str();
   parser.footer(
       "Example:\n  plantloop run loop.yaml --out loop.npz && plantloop plot loop.npz loop.yaml --figures out");

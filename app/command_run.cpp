@@ -15,6 +15,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/run/diagram.h"
+#include "render/image.h"
 
 namespace plantloop::app {
 
@@ -109,9 +110,11 @@ bool check_paths(const RunOptions& o) {
       return false;
     }
   }
+  const std::vector<std::string> formats = picture_formats();
   for (const std::string& format : split_formats(o.format)) {
-    if (format == "png" || format == "svg") continue;
-    complain(fmt::format("--format {}: there is no figure format '{}'; there are png and svg", o.format, format));
+    if (std::find(formats.begin(), formats.end(), format) != formats.end()) continue;
+    complain(fmt::format("--format {}: there is no figure format '{}'; there are: {}", o.format, format,
+                         fmt::join(formats, ", ")));
     return false;
   }
   return true;
@@ -202,7 +205,10 @@ PLANTLOOP_COMMAND(run) {
       ->type_name("FILE");
   parser.add_option("--figures", o->figures, "folder for the diagram's figures, <figure name>.<format>")
       ->type_name("DIR");
-  parser.add_option("--format", o->format, "formats of the figures: png, svg or both, separated by commas")
+  parser
+      .add_option(
+          "--format", o->format,
+          fmt::format("formats of the figures, separated by commas: {}", fmt::join(plantloop::picture_formats(), ", ")))
       ->capture_default_str();
   parser.add_option("--max-time", o->max_time, "stop the run after this many seconds")->check(CLI::PositiveNumber);
   parser.add_flag("--timing", o->timing, "print how long reading, compiling, simulating and writing took, in s");

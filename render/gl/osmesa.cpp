@@ -77,16 +77,16 @@ class OsMesa final : public GlContext {
 
 }  // namespace
 
-std::unique_ptr<GlContext> open_osmesa(std::span<const char* const> library_names) {
+std::unique_ptr<GlContext> find_osmesa(std::span<const char* const> library_names) {
   // Never closed: Mesa's and LLVM's own exit handlers would be gone when they are called.
   for (const char* name : library_names)
     if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return std::make_unique<OsMesa>(library);
-  throw RenderError("OSMesa is not installed: apt install libosmesa6");
+  return nullptr;
 }
 
-std::unique_ptr<GlContext> open_osmesa() {
-  constexpr std::array names{"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
-  return open_osmesa(names);
+std::unique_ptr<GlContext> open_osmesa(std::span<const char* const> library_names) {
+  if (auto context = find_osmesa(library_names)) return context;
+  throw RenderError("OSMesa is not installed: apt install libosmesa6");
 }
 
 }  // namespace plantloop

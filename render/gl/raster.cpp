@@ -35,7 +35,7 @@ int floor_div(std::int64_t a, std::int64_t b) { return static_cast<int>(a >= 0 ?
 
 class Raster {
  public:
-  Raster() : context_(open_osmesa()) {
+  Raster() : context_(open_gl()) {
     context_->make_current();
     gl_ = load_functions(*context_);
     const GLuint program = gl_.CreateProgram();

@@ -342,7 +342,7 @@ Entries figure_methods() {
                      "number[], scale?: string, lines?: table[], bands?: table[], equal?: boolean, height?: number}",
                      "pl.Panel", "adds a panel below; with an x of its own it does not share the figure's"});
   entries.push_back({"save", guarded<save>, "path: string", "string",
-                     "draws into a .png or .svg file below the working directory; gives the path"});
+                     "draws into a .png, .svg or .pdf file below the working directory; gives the path"});
   return entries;
 }
 

@@ -323,7 +323,7 @@ Entries run_methods() {
       {"unit", guarded<unit>, "column: string", "string", "the unit of a column; empty when unknown"},
       {"events", guarded<events>, "", "table<string, pl.Vector>", "the times of each kind of event"},
       {"figure", guarded<figure>, "name: string", "pl.Figure", "one of the diagram's own figures, to be added to"},
-      {"figures", guarded<figures>, "folder?: string, format?: \"png\"|\"svg\"", "string[]",
+      {"figures", guarded<figures>, "folder?: string, format?: \"png\"|\"svg\"|\"pdf\"", "string[]",
        "draws the diagram's own figures into a folder; gives the paths"},
   };
 }

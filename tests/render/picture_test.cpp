@@ -140,12 +140,42 @@ TEST(OsMesa, SaysHowToInstallIt) {
   }
 }
 
+TEST(Egl, DrawsTheSamePixelsAsOsMesa) {
+  const auto with = [](const std::string& door) {
+    return output_of("PLANTLOOP_GL=" + door + " " RENDER_GALLERY " . hash servo uncertainty sampled 2> /dev/null");
+  };
+  const std::string egl = with("egl");
+  if (egl.empty()) GTEST_SKIP() << "EGL is not installed";
+  EXPECT_EQ(egl, with("osmesa"));
+}
+
+TEST(Doors, LeadToEglWhereOsMesaIsMissingAndSayWhatToInstallWhereBothAre) {
+  const std::array names{"libNoSuchThing.so"};
+  try {
+    EXPECT_NE(open_gl("", names), nullptr);
+  } catch (const RenderError& e) {
+    EXPECT_STREQ(e.what(), "neither OSMesa nor EGL is installed: apt install libosmesa6");
+  }
+  try {
+    open_gl("vulkan");
+    FAIL();
+  } catch (const RenderError& e) {
+    EXPECT_STREQ(e.what(), "PLANTLOOP_GL is 'vulkan'; it may be osmesa or egl, or be left out");
+  }
+}
+
+TEST(Json, IsTheCanonicalTextOfTheScene) {
+  const Scene scene = layout(Figure{.title = "a"});
+  const std::vector<std::uint8_t> bytes = picture(scene, "json");
+  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), to_json(scene));
+}
+
 TEST(Picture, RefusesAnUnknownFormat) {
   try {
     picture(layout(Figure{}), "gif");
     FAIL();
   } catch (const RenderError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("there is no picture format 'gif'; there are: png, svg"));
+    EXPECT_THAT(e.what(), HasSubstr("there is no picture format 'gif'; there are: json, pdf, png, svg"));
   }
 }
 

@@ -57,7 +57,7 @@ TEST_F(Figures, SayWhatIsWrong) {
   EXPECT_THAT(complaint("pl.figure{tilte = 'x'}"), HasSubstr("there is no 'tilte'; did you mean 'title'?"));
   EXPECT_THAT(complaint("pl.figure():line({1}, {1}, {color = 'ugly'})"), HasSubstr("there is no colour 'ugly'"));
   EXPECT_THAT(complaint("pl.figure():line({1}, {1}, {style = 'wavy'})"), HasSubstr("'style' must be solid, dashed"));
-  EXPECT_THAT(complaint("pl.figure():save 'a.gif'"), HasSubstr("the name must end in .png or .svg"));
+  EXPECT_THAT(complaint("pl.figure():save 'a.gif'"), HasSubstr("the name must end in .json or .pdf or .png or .svg"));
   EXPECT_THAT(complaint("pl.figure():lines({1}, {1})"), HasSubstr("a figure has no 'lines'; did you mean 'line'?"));
   EXPECT_THAT(complaint("pl.figure{width = 1}:save 'a.svg'"), Not(HasSubstr("no error")));
 }

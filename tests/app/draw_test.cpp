@@ -1,0 +1,73 @@
+// plantloop draw: files, and what it says when it cannot draw.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/app/program.h"
+
+namespace plantloop::testing_program {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr const char* loop = R"(plantloop: 1
+title: A loop
+blocks:
+  r: {type: step, time: 1}
+  e: r - y
+  controller: {type: lag, in: e}
+  y: {type: first_order, in: controller}
+types:
+  lag:
+    inputs: [u]
+    blocks: {x: {type: integrator, in: u - x}}
+    outputs: [x]
+simulation: {stop: 3}
+record: [y]
+)";
+
+class Draw : public testing::Test {
+ protected:
+  Draw() { place_.write("loop.yaml", loop); }
+  Workplace place_;
+};
+
+TEST_F(Draw, WritesEveryFormat) {
+  for (const char* name : {"a.png", "a.svg", "a.pdf", "a.json"}) {
+    const Outcome o = place_.run(std::string("draw loop.yaml -o ") + name);
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_EQ(o.out + o.err, "");
+    EXPECT_TRUE(place_.has(name));
+  }
+  EXPECT_THAT(place_.read("a.pdf"), StartsWith("%PDF-"));
+  EXPECT_THAT(place_.read("a.svg"),
+              AllOf(HasSubstr("aria-label=\"controller\""), HasSubstr("id=\"block/controller\"")));
+}
+
+TEST_F(Draw, OpensSubsystemsAndLooksInsideThem) {
+  EXPECT_EQ(place_.run("draw loop.yaml -o open.svg --depth 1").status, 0);
+  EXPECT_THAT(place_.read("open.svg"), AllOf(HasSubstr("frame/controller"), HasSubstr("block/controller.x")));
+  EXPECT_EQ(place_.run("draw loop.yaml -o inside.svg --inside controller").status, 0);
+  EXPECT_THAT(place_.read("inside.svg"), HasSubstr("id=\"block/x\""));
+}
+
+TEST_F(Draw, SaysWhatIsWrong) {
+  Outcome o = place_.run("draw loop.yaml -o a.gif");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_EQ(o.err, "plantloop: -o a.gif: the name must end in .json, .pdf, .png, .svg\n");
+  o = place_.run("draw loop.yaml -o a.svg --inside motor");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_EQ(o.err, "plantloop: --inside motor: there is no subsystem of this name; there are: controller\n");
+  o = place_.run("draw loop.yaml -o nowhere/a.svg");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_THAT(o.err, StartsWith("plantloop: cannot write 'nowhere/a.svg': "));
+  place_.write("wrong.yaml", "plantloop: 1\nblocks: {y: x}\n");
+  o = place_.run("draw wrong.yaml -o a.svg");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_THAT(o.err, HasSubstr("wrong.yaml:2:13: error:"));
+}
+
+}  // namespace
+}  // namespace plantloop::testing_program
