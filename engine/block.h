@@ -352,7 +352,8 @@ struct BlockType {
   std::string_view group;  // the folder below blocks/
   std::string_view summary;
   std::string_view details;
-  std::string_view example;  // a whole diagram but for its first line, `plantloop: 1`; it meets its `expect:`
+  // A whole diagram but for its first line, `plantloop: 1`, that meets its `expect:`; empty when the block shows none.
+  std::string_view example;
   std::unique_ptr<const Block> block;
   std::string_view icon;  // empty: the drawing finds a face for it
 };
@@ -373,12 +374,22 @@ const std::vector<BlockType>& catalogue();
 // The type of that name, or null.
 const BlockType* find_block(std::string_view name);
 
+// The block's `example` without the line end that a raw string begins with, where it has one.
+template <typename Class>
+constexpr std::string_view example_of() {
+  if constexpr (requires { Class::example; }) {
+    return std::string_view(Class::example).substr(1);
+  } else {
+    return {};
+  }
+}
+
 // Registers the block of a file. Its name is the file's name.
-#define PLANTLOOP_BLOCK(type_name, Class)                                                                         \
-  BlockType plantloop_block_##type_name() {                                                                       \
-    return BlockType{                                                                                             \
-        #type_name,      {}, Class::summary, Class::details, Class::example + 1, std::make_unique<const Class>(), \
-        icon_of<Class>()};                                                                                        \
+#define PLANTLOOP_BLOCK(type_name, Class)                                                                          \
+  BlockType plantloop_block_##type_name() {                                                                        \
+    return BlockType{                                                                                              \
+        #type_name,      {}, Class::summary, Class::details, example_of<Class>(), std::make_unique<const Class>(), \
+        icon_of<Class>()};                                                                                         \
   }
 
 }  // namespace plantloop

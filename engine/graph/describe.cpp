@@ -212,6 +212,7 @@ std::string block_section(const BlockType& type, std::string_view heading) {
       text += fmt::format(" {} | {} | {} |\n", cell(row.unit), cell(row.bounds), cell(row.doc));
     }
   }
+  if (type.example.empty()) return text;
   return text + fmt::format("\n{}# example\n\n```yaml\n{}\n{}```\n", heading, format_version, type.example);
 }
 
@@ -237,7 +238,7 @@ std::string block_text(const BlockType& type) {
       text += line + "\n";
     }
   }
-  text += "\nexample\n";
+  if (!type.example.empty()) text += "\nexample\n";
   for (const std::string_view line : lines_of(type.example)) text += fmt::format("  {}\n", line);
   return text + fmt::format("\nin short\n  name: {}\n", shortest_use(type));
 }

@@ -20,7 +20,8 @@ std::string text_of(const std::string& path) {
 
 // EXPECT_EQ would print both pages.
 void expect_fresh(const std::string& path, const std::string& printed, const std::string& command) {
-  EXPECT_TRUE(text_of(path) == printed) << path << " is not what the program prints; make it again:\n  "
+  EXPECT_TRUE(text_of(path) == printed) << path
+                                        << " is not what the program prints; a whole build makes it again, or:\n  "
                                         << "build/release/plantloop " << command << " > " << path;
 }
 
