@@ -4,7 +4,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace plantloop::identify {
+
+void Approximator::variance(const double*, double* result, double*) const { std::fill_n(result, outputs(), 0.0); }
+
+void Approximator::variance_derivative(const double*, double* jacobian, double*) const {
+  std::fill_n(jacobian, outputs() * inputs(), 0.0);
+}
 
 Eigen::MatrixXd evaluate_rows(const Approximator& map, const Eigen::MatrixXd& X) {
   std::vector<double> scratch(static_cast<std::size_t>(map.scratch_size()));

@@ -26,6 +26,11 @@ class Approximator {
   virtual void evaluate(const double* x, double* y, double* scratch) const = 0;
   // dy_i/dx_j, row by row (outputs x inputs).
   virtual void derivative(const double* x, double* jacobian, double* scratch) const = 0;
+  // How certain each output is: the variance of the function, without the noise of a measurement; 0 where the map does
+  // not know. Then its derivative, as above.
+  virtual bool has_variance() const { return false; }
+  virtual void variance(const double* x, double* result, double* scratch) const;
+  virtual void variance_derivative(const double* x, double* jacobian, double* scratch) const;
   // Adds what read_approximator needs.
   virtual void write(Item& item) const = 0;
 };

@@ -18,7 +18,7 @@ namespace plantloop::identify {
 struct KernelMoments {
   Eigen::VectorXd q;  // E k(x, x_i)
   Eigen::MatrixXd Q;  // E k(x, x_i) k(x, x_j)
-  Eigen::MatrixXd c;  // E k(x, x_i) (x - mu), one row for each i: N x D
+  Eigen::MatrixXd g;  // E dk(x, x_i)/dx, one row for each i: N x D; cov(x, k(x, x_i)) is S g_i
   double k = 0;       // E k(x, x)
 };
 

@@ -143,6 +143,12 @@ double GaussianProcess::log_likelihood() const {
   return value_of(factor_, r, alpha_);
 }
 
+VectorXd GaussianProcess::predict_mean(const MatrixXd& x) const {
+  VectorXd mean = covariance_->between(hyperparameters_.theta, x_, x).transpose() * alpha_;
+  if (coefficients_.size() > 0) mean += mean_basis(mean_, x) * coefficients_;
+  return mean;
+}
+
 Prediction GaussianProcess::predict(const MatrixXd& x) const {
   Prediction result;
   MatrixXd k = covariance_->between(hyperparameters_.theta, x_, x);

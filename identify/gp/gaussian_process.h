@@ -55,7 +55,8 @@ class GaussianProcess {
   GaussianProcess(std::shared_ptr<const Covariance> covariance, MeanFunction mean, Hyperparameters hyperparameters,
                   Eigen::MatrixXd x, Eigen::VectorXd y);
 
-  Prediction predict(const Eigen::MatrixXd& x) const;  // M x D
+  Prediction predict(const Eigen::MatrixXd& x) const;            // M x D
+  Eigen::VectorXd predict_mean(const Eigen::MatrixXd& x) const;  // the means alone
   // The mean's slope at a point (D), and that of the variance.
   Eigen::VectorXd mean_gradient(const Eigen::VectorXd& x) const;
   Eigen::VectorXd variance_gradient(const Eigen::VectorXd& x) const;

@@ -44,9 +44,8 @@ UncertainPrediction Propagator::first_order(const UncertainPoint& point) const {
   const Prediction at = model_.predict(point.mean.transpose());
   UncertainPrediction result{at.mean[0], at.variance[0], VectorXd::Zero(point.mean.size())};
   if (method_ == Propagation::naive) return result;
-  const VectorXd slope = model_.mean_gradient(point.mean);
-  result.input_covariance = point.covariance * slope;
-  result.variance += slope.dot(result.input_covariance);
+  result.slope = model_.mean_gradient(point.mean);
+  result.variance += result.slope.dot(point.covariance * result.slope);
   return result;
 }
 
@@ -56,17 +55,17 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
   const VectorXd& beta = model_.alpha();
   UncertainPrediction result;
   const double m = beta.dot(moments.q);
-  result.input_covariance = moments.c.transpose() * beta;
-  result.variance = moments.k + (spread_.array() * moments.Q.array()).sum() - m * m;
   result.mean = m;
+  result.slope = moments.g.transpose() * beta;
+  result.variance = moments.k + (spread_.array() * moments.Q.array()).sum() - m * m;
   // The mean function is affine in x and adds its own part, and its product with the rest.
   const VectorXd& b = model_.mean_coefficients();
   if (b.size() > 0) result.mean += b[0];
   if (b.size() > 1) {
-    const VectorXd slope = b.tail(b.size() - 1), s = point.covariance * slope;
-    result.mean += slope.dot(point.mean);
-    result.variance += slope.dot(s) + 2 * slope.dot(result.input_covariance);
-    result.input_covariance += s;
+    const VectorXd own = b.tail(b.size() - 1);
+    result.mean += own.dot(point.mean);
+    result.variance += own.dot(point.covariance * (own + 2 * result.slope));
+    result.slope += own;
   }
   if (result.variance < 0) result.variance = 0;
   return result;

@@ -18,8 +18,8 @@ struct UncertainPoint {
 
 struct UncertainPrediction {
   double mean = 0;
-  double variance = 0;               // of the function; a measurement adds v0
-  Eigen::VectorXd input_covariance;  // cov(x, f): D
+  double variance = 0;    // of the function; a measurement adds v0
+  Eigen::VectorXd slope;  // E of the mean's slope: D; cov(x, f) = S slope
 };
 
 enum class Propagation { naive, first_order, moment_matching };
@@ -32,7 +32,7 @@ class Propagator {
   // Throws IdentifyError when the covariance has no closed moments and the method is moment_matching.
   Propagator(const GaussianProcess& model, Propagation method);
 
-  // naive: S is ignored. first_order: mean m(mu), variance var(mu) + m'(mu)' S m'(mu), cov(x, f) = S m'(mu).
+  // naive: S is ignored. first_order: mean m(mu), variance var(mu) + m'(mu)' S m'(mu), slope m'(mu).
   // moment_matching: the exact mean and variance of the mixture over x:
   //   m = beta' q,  variance = E k(x, x) + tr((beta beta' - K^-1) Q) - m^2,  beta = K^-1 y,
   // with q = E k(x, X) and Q = E k(X, x) k(x, X) from Covariance::moments.

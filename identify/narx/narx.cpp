@@ -2,17 +2,14 @@
 
 #include "identify/narx/narx.h"
 
-#include <cmath>
-#include <limits>
+#include <utility>
+#include <vector>
 
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
-#include "identify/narx/regressor_row.h"
 
 namespace plantloop::identify {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
@@ -23,22 +20,14 @@ void check_channels(const NarxModel& model, const DataSet& data) {
          model.regressors.outputs.size(), data.inputs.size(), data.outputs.size());
 }
 
-// Samples [k from longest lag) through the map; `y` gives the past and, when running free, takes the results.
-MatrixXd run(const NarxModel& model, const Experiment& experiment, bool feed_back) {
-  const Index first = std::min<Index>(model.regressors.longest_lag(), experiment.samples());
-  MatrixXd y = experiment.y;
-  MatrixXd result = MatrixXd::Constant(y.rows(), y.cols(), std::numeric_limits<double>::quiet_NaN());
-  if (feed_back) result.topRows(first) = y.topRows(first);
-  std::vector<double> scratch(static_cast<std::size_t>(model.map->scratch_size()));
-  VectorXd x(model.map->inputs()), out(model.map->outputs());
-  for (Index k = first; k < y.rows(); ++k) {
-    fill_row(model.regressors, experiment.u, y, k, x.data());
-    if (!feed_back && !x.allFinite()) continue;
-    model.map->evaluate(x.data(), out.data(), scratch.data());
-    result.row(k) = out.transpose();
-    if (feed_back) y.row(k) = out.transpose();
-  }
-  return result;
+Predictor predictor(const NarxModel& model, const DataSet& data) {
+  check_channels(model, data);
+  return [map = model.map, scratch = std::vector<double>(static_cast<std::size_t>(model.map->scratch_size()))](
+             const VectorXd& x) mutable {
+    VectorXd y(map->outputs());
+    map->evaluate(x.data(), y.data(), scratch.data());
+    return y;
+  };
 }
 
 }  // namespace
@@ -58,22 +47,13 @@ NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regres
 }
 
 Outputs one_step(const NarxModel& model, const DataSet& data) {
-  check_channels(model, data);
-  Outputs outputs;
-  for (const Experiment& experiment : data.experiments) outputs.push_back(run(model, experiment, false));
-  return outputs;
+  return one_step(model.regressors, data, predictor(model, data));
 }
-
-Outputs simulate(const NarxModel& model, const DataSet& data) {
-  check_channels(model, data);
-  const Index first = model.regressors.longest_lag();
-  Outputs outputs;
-  for (const Experiment& experiment : data.experiments) {
-    if (!experiment.u.allFinite() || !experiment.y.topRows(std::min(first, experiment.samples())).allFinite())
-      fail("a simulation needs every input, and every output of the first {} samples; values are missing", first);
-    outputs.push_back(run(model, experiment, true));
-  }
-  return outputs;
+Outputs k_step(const NarxModel& model, const DataSet& data, int steps) {
+  return k_step(model.regressors, data, predictor(model, data), steps);
+}
+Outputs free_run(const NarxModel& model, const DataSet& data) {
+  return free_run(model.regressors, data, predictor(model, data));
 }
 
 std::string to_yaml(const NarxModel& model) {

@@ -11,6 +11,7 @@
 #include "identify/data/data_set.h"
 #include "identify/fit_report.h"
 #include "identify/regressors/regressors.h"
+#include "identify/validation/narx_prediction.h"
 
 namespace plantloop::identify {
 
@@ -26,14 +27,10 @@ struct NarxModel {
 NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regressors, const DataSet& data,
                     FitReport fit = {});
 
-// For each experiment samples x outputs. Where the regressors of a sample are not known (before the longest lag, or
-// beside a missing value) the result is NaN.
-using Outputs = std::vector<Eigen::MatrixXd>;
-// From measured outputs.
+// As the functions of these names in validation/narx_prediction.h.
 Outputs one_step(const NarxModel& model, const DataSet& data);
-// Fed back from the longest lag on; before that the measured outputs stand. Raises IdentifyError when an input is
-// missing, or an output of the first samples.
-Outputs simulate(const NarxModel& model, const DataSet& data);
+Outputs k_step(const NarxModel& model, const DataSet& data, int steps);
+Outputs free_run(const NarxModel& model, const DataSet& data);
 
 // The model file and back.
 std::string to_yaml(const NarxModel& model);

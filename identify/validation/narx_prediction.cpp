@@ -48,7 +48,8 @@ double limit_of(const DataSet& data) {
       if (!std::isnan(v)) largest = std::max(largest, std::fabs(v));
     }
   }
-  return 1e6 * std::max(largest, 1e-300);
+  // Outputs that were only zero tell no range.
+  return largest > 0 ? 1e6 * largest : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace

@@ -49,10 +49,9 @@ class Linear final : public Covariance {
   bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
                KernelMoments& result) const override {
     const Eigen::Index d = z.cols();
-    const Matrix slopes = input_gradient(theta, mu, z);
-    result.q = ((slopes * mu).array() + theta[d]).matrix();
-    result.c = slopes * s;
-    result.Q = result.q * result.q.transpose() + result.c * slopes.transpose();
+    result.g = input_gradient(theta, mu, z);
+    result.q = ((result.g * mu).array() + theta[d]).matrix();
+    result.Q = result.q * result.q.transpose() + result.g * s * result.g.transpose();
     result.k = theta[d] + theta.head(d).dot(Vector(mu.array().square().matrix() + s.diagonal()));
     return true;
   }

@@ -17,7 +17,7 @@ class SquaredExponential final : public Stationary {
   // Closed forms over x ~ N(mu, S) (A. Girard, C. Rasmussen, J. Quinonero-Candela, R. Murray-Smith 2003):
   //   q_i = v1 |I + S W|^-1/2 exp(-1/2 nu_i' (S + W^-1)^-1 nu_i),  nu_i = x_i - mu
   //   Q_ij = k_i k_j |I + 2 S W|^-1/2 exp(1/2 (a_i + a_j)' M (a_i + a_j)),  a_i = W nu_i,  M = (I + 2 S W)^-1 S
-  //   E k_i (x - mu) = q_i S (S + W^-1)^-1 nu_i
+  //   E dk_i/dx = q_i (S + W^-1)^-1 nu_i
   // without an inverse of S, so inputs that are known exactly are rows of zeros.
   bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
                KernelMoments& result) const override {
@@ -33,7 +33,7 @@ class SquaredExponential final : public Stationary {
     const Eigen::ArrayXd exponent = -0.5 * (turned.array() * nu.array()).rowwise().sum();
     result.k = v1;
     result.q = v1 / std::sqrt(one.determinant()) * exponent.exp();
-    result.c = result.q.asDiagonal() * (turned * s);
+    result.g = result.q.asDiagonal() * turned;
 
     const Eigen::PartialPivLU<Matrix> two(unit + 2 * s * w.asDiagonal());
     Matrix m = two.solve(s);

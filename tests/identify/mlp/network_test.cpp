@@ -122,7 +122,7 @@ TEST(PrintedNetwork, RestsWhereTheBooksWeightsSay) {
   for (Index i = 0; i < 7; ++i) {
     const DataSet data =
         make_data_set(MatrixXd::Constant(400, 1, u[i]), MatrixXd::Zero(400, 1), 0.5, {{"u", ""}}, {{"y", ""}});
-    EXPECT_NEAR(simulate(printed_model(data), data)[0](399, 0), expected[i], 2e-5);
+    EXPECT_NEAR(free_run(printed_model(data), data)[0](399, 0), expected[i], 2e-5);
   }
 }
 
@@ -130,7 +130,7 @@ TEST(PrintedNetwork, FollowsTheSystemOnDataOfItsRange) {
   const DataSet data = first_order_data(1000, 5, 41);
   const NarxModel model = printed_model(data);
   EXPECT_NEAR(rms(one_step(model, data)[0], data.experiments[0].y, 1), 0.022, 0.005);
-  EXPECT_NEAR(rms(simulate(model, data)[0], data.experiments[0].y, 1), 0.04, 0.012);
+  EXPECT_NEAR(rms(free_run(model, data)[0], data.experiments[0].y, 1), 0.04, 0.012);
 }
 
 TEST(ModelFile, OfANetworkComesBackWithTheSameBits) {
@@ -143,7 +143,7 @@ TEST(ModelFile, OfANetworkComesBackWithTheSameBits) {
   const std::string text = to_yaml(model);
   const NarxModel back = read_narx(read_model_file(text, "net.yaml"));
   EXPECT_EQ(to_yaml(back), text);
-  EXPECT_EQ(simulate(back, data)[0], simulate(model, data)[0]);
+  EXPECT_EQ(free_run(back, data)[0], free_run(model, data)[0]);
   EXPECT_EQ(back.channels.Ts, 0.5);
 }
 

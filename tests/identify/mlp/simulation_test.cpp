@@ -60,7 +60,7 @@ TEST(SimulationTraining, CountsMissingOutputsNotAsErrors) {
   const double missed = std::pow(
       data.experiments[0].y(30, 0) -
           [&] {
-            return simulate(make_narx(std::make_shared<Mlp>(network, no_scaling(2), no_scaling(1)), regressors, data),
+            return free_run(make_narx(std::make_shared<Mlp>(network, no_scaling(2), no_scaling(1)), regressors, data),
                             data)[0](30, 0);
           }(),
       2);
@@ -88,7 +88,7 @@ TEST(FitNarxMlp, FollowsTheBooksFirstOrderSystem) {
   options.starts = 8;
   const NarxMlpFit fit = fit_narx_mlp(data, regressors, {}, options);
   EXPECT_LT(rms(one_step(fit.model, fresh)[0], fresh.experiments[0].y, 1), 0.015);
-  EXPECT_LT(rms(simulate(fit.model, fresh)[0], fresh.experiments[0].y, 1), 0.03);
+  EXPECT_LT(rms(free_run(fit.model, fresh)[0], fresh.experiments[0].y, 1), 0.03);
 }
 
 // With measurement noise the one-step criterion is biased; simulation error on average is not.
@@ -100,9 +100,9 @@ TEST(FitNarxMlp, TrainedForSimulationIsBetterWithMeasurementNoise) {
     MlpOptions options;
     options.hidden = {5};
     options.starts = 6;
-    narx += rms(simulate(fit_narx_mlp(data, regressors, {}, options).model, fresh)[0], fresh.experiments[0].y, 1);
+    narx += rms(free_run(fit_narx_mlp(data, regressors, {}, options).model, fresh)[0], fresh.experiments[0].y, 1);
     options.simulation = true;
-    noe += rms(simulate(fit_narx_mlp(data, regressors, {}, options).model, fresh)[0], fresh.experiments[0].y, 1);
+    noe += rms(free_run(fit_narx_mlp(data, regressors, {}, options).model, fresh)[0], fresh.experiments[0].y, 1);
   }
   EXPECT_LT(noe, 0.85 * narx);
 }
@@ -116,8 +116,8 @@ TEST(RefineNarxMlp, StartsFromTheGivenNetworkAndImprovesIt) {
   MlpOptions options;
   options.simulation = true;
   const NarxMlpFit simulated = refine_narx_mlp(data, regressors, printed, options);
-  EXPECT_LT(rms(simulate(simulated.model, data)[0], data.experiments[0].y, 1),
-            0.5 * rms(simulate(make_narx(std::make_shared<Mlp>(printed), regressors, data), data)[0],
+  EXPECT_LT(rms(free_run(simulated.model, data)[0], data.experiments[0].y, 1),
+            0.5 * rms(free_run(make_narx(std::make_shared<Mlp>(printed), regressors, data), data)[0],
                       data.experiments[0].y, 1));
 }
 

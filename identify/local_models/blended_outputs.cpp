@@ -1,0 +1,44 @@
+// Local models that run side by side, each on its own past.
+
+#include <algorithm>
+
+#include "identify/error.h"
+#include "identify/local_models/local_model_network.h"
+#include "identify/narx/regressor_row.h"
+
+namespace plantloop::identify {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Outputs simulate_blended_outputs(const NarxModel& model, const DataSet& data) {
+  const auto* network = dynamic_cast<const LocalModelNetwork*>(model.map.get());
+  if (network == nullptr)
+    fail("outputs can be blended in a network of local models only, this is '{}'", model.map->type());
+  const Index first = model.regressors.longest_lag(), d = network->inputs();
+  const std::size_t m = network->models().size();
+  Outputs outputs;
+  for (const Experiment& experiment : data.experiments) {
+    if (!experiment.u.allFinite() || !experiment.y.topRows(std::min(first, experiment.samples())).allFinite())
+      fail("a simulation needs every input, and every output of the first {} samples; values are missing", first);
+    MatrixXd blended = experiment.y;
+    std::vector<MatrixXd> own(m, blended);
+    VectorXd x(d + 1), mu(static_cast<Index>(m));
+    x[d] = 1;
+    for (Index k = first; k < blended.rows(); ++k) {
+      fill_row(model.regressors, experiment.u, blended, k, x.data());
+      network->weights(x.data(), mu.data());
+      blended.row(k).setZero();
+      for (std::size_t i = 0; i < m; ++i) {
+        fill_row(model.regressors, experiment.u, own[i], k, x.data());
+        own[i].row(k) = (network->models()[i].parameters * x).transpose();
+        blended.row(k) += mu[static_cast<Index>(i)] * own[i].row(k);
+      }
+    }
+    outputs.push_back(std::move(blended));
+  }
+  return outputs;
+}
+
+}  // namespace plantloop::identify

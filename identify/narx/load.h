@@ -1,0 +1,24 @@
+// Learned models by the names of their files, each read once.
+
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "identify/narx/narx.h"
+
+namespace plantloop::identify {
+
+// A model file as blocks need it.
+struct LoadedModel {
+  std::string error;  // why it cannot be used; then the rest is empty
+  std::shared_ptr<const Approximator> map;
+  bool dynamic = false;  // has regressors, so that `narx` is set
+  NarxModel narx;
+};
+
+// The last files with their content are kept, as a large Gaussian process takes long to prepare; a file that changed is
+// read again. May be called from several threads.
+std::shared_ptr<const LoadedModel> load_model(const std::string& path);
+
+}  // namespace plantloop::identify
