@@ -146,8 +146,10 @@ std::string label_of(const RecordedColumn& column) {
 
 bool apply_style(std::string_view style, SeriesLook& look, Series::Kind& kind) {
   if (style.empty() || style == "solid") return true;
-  if (style == "dashed" || style == "dashdot") {
+  if (style == "dashed") {
     look.style = LineStyle::dashed;
+  } else if (style == "dashdot") {
+    look.style = LineStyle::dashdot;
   } else if (style == "dotted") {
     look.style = LineStyle::dotted;
   } else if (style == "none" || style == "points") {

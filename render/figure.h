@@ -13,28 +13,43 @@
 
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "render/color.h"
+#include "render/space.h"
 
 namespace plantloop {
 
-enum class LineStyle { solid, dashed, dotted, none };
-enum class Marker { none, dot, ring, square, diamond, triangle, cross, plus };
-enum class Scale { linear, log };
+enum class LineStyle { solid, dashed, dotted, dashdot, none };
+enum class Marker { none, dot, ring, square, diamond, triangle, cross, plus, dash, tick };  // dash lies, tick stands
+// symlog: as log on either side of zero, and straight between minus and plus the axis' threshold.
+enum class Scale { linear, log, symlog };
+
+// Where a series takes its colour from when it is given none: from the palette, in order; or from what the theme has
+// for grids, reference lines and text. What has the ink of a grid or of a reference is drawn below the data, serves the
+// data's limits only, and is never explained.
+enum class Ink { palette, grid, reference, text };
 
 // Ends that are not given are found from the data. On a logarithmic axis an end must be positive, else it is ignored.
 struct Limits {
   std::optional<double> lower, upper;
 };
 
+struct AxisTick {
+  double at = 0;
+  std::string label;
+};
+
 struct Axis {
   std::string label;
   Limits limits;
   Scale scale = Scale::linear;
+  double threshold = 0;         // of Scale::symlog; 0: a power of ten found from the data
+  std::vector<AxisTick> ticks;  // instead of numbers: the names of bars; ascending
 };
 
 // How a series is to look. What is left out follows the theme: the colour from the palette, in order.
@@ -45,6 +60,17 @@ struct SeriesLook {
   std::optional<Color> color;
   double width = 0;                     // in points; 0: the theme's
   std::optional<std::size_t> color_of;  // the colour of that series of the panel, counted from 0, right ones last
+  bool same_color = false;              // as the series before it on its axis
+  Ink ink = Ink::palette;
+  double opacity = 1;  // of lines, markers and areas
+  double size = 0;     // of markers and arrows, in points; 0: the theme's
+};
+
+// A polygon in the data's coordinates, filled with its series' colour or, where it has a value, with the colour that
+// the panel's colour scale gives to it.
+struct Area {
+  std::vector<double> x, y;
+  std::optional<double> value;
 };
 
 struct Series {
@@ -52,11 +78,16 @@ struct Series {
     line,    // straight from sample to sample
     stairs,  // each value is held until the next sample (a discrete signal)
     band,    // the area between `lower` and `y`
+    areas,   // polygons
+    arrows,  // short arrows with their middles at x, y, pointing along (toward_x, toward_y)
   };
   Kind kind = Kind::line;
   std::vector<double> x, y;   // of equal length; a NaN breaks the line; equal x in succession: a jump, drawn vertically
   std::vector<double> lower;  // bands only
   SeriesLook look;
+  std::vector<Area> areas;
+  bool crisp = false;                      // the areas' edges lie on whole pixels: cells without seams
+  std::vector<double> toward_x, toward_y;  // arrows only, in the data's units; their length does not matter
 };
 
 // One series each. The columns must have equal length, else std::invalid_argument.
@@ -76,6 +107,26 @@ struct ReferenceLine {
   std::optional<Color> color;
 };
 
+// A remark at a point: a marker, and words beside it where nothing else is, with a thin line to them when they had to
+// go farther. A quiet one is small, muted, has no marker, and is left out where there is no room.
+struct Callout {
+  double x = 0, y = 0;
+  std::string label;
+  Marker marker = Marker::dot;
+  std::optional<std::size_t> color_of;  // of that series; else the text's
+  std::optional<Color> color;
+  bool right = false;
+  bool quiet = false;
+};
+
+// What the colours of areas and surfaces mean: shown as a bar beside the panel.
+struct ColorScale {
+  double lower = 0, upper = 1;
+  std::string label;
+  std::string map = "viridis";  // a name from color_maps()
+  bool bar = true;
+};
+
 // A tinted area behind the data; sides that are not given reach to the end of the panel.
 struct ReferenceBand {
   std::optional<double> lower, upper;  // in y
@@ -92,8 +143,19 @@ struct Panel {
   std::vector<Series> series, right_series;
   std::vector<ReferenceLine> lines;  // in coordinates of the left axis
   std::vector<ReferenceBand> bands;
+  std::vector<Callout> callouts;
+  std::optional<ColorScale> colors;
   bool equal = false;  // one unit is as long in x as in y
+  bool bare = false;   // without axes, numbers and grid
   double height = 1;   // relative to the figure's other panels
+  // Small panels inside this one. Their places: left, bottom, width and height as parts of this panel; by default where
+  // the least data are. The part of this panel that they show, when their x has limits, is framed.
+  std::vector<Panel> insets;
+  struct Place {
+    double left = 0, bottom = 0, width = 0, height = 0;
+  };
+  std::optional<Place> place;  // of an inset
+  std::optional<Space> space;  // three axes in perspective instead of two; then only title and colours count
 
   // Add a series to `series` and return it.
   Series& line(std::vector<double> x, std::vector<double> y, SeriesLook look = {});
@@ -109,6 +171,8 @@ struct Figure {
   double height = 0;            // mm; 0: from the number and kind of the panels, 3:2 for one
   double dpi = 152.4;           // 6 pixels per mm: 1200 pixels at the default width
   Axis x;                       // shared by all panels without an x of their own
+  int columns = 1;              // panels stand side by side in as many columns, row after row
+  bool share_y = false;         // all panels have the left axis of the one that needs most
   std::vector<Panel> panels;
 
   Panel& add_panel(Panel panel = {});

@@ -28,6 +28,14 @@ const Theme* find_theme(std::string_view name);
 
 std::vector<std::string> theme_names();
 
+// The colour of a part between 0 and 1 of a colour scale; beyond it, that of the nearer end. The diverging map's middle
+// is the theme's background.
+Color map_color(const Theme& theme, std::string_view map, double part);
+
+// viridis (dark to bright, even steps of lightness), diverging (two hues away from the middle), gray, tint (from the
+// background to the first colour of the palette).
+std::vector<std::string> color_maps();
+
 // The look of the n-th series: past the palette's end colours come again with other dashes; pale colours are thicker.
 struct SeriesStyle {
   Color color;

@@ -110,6 +110,57 @@ void add_area(const PanelPlan& panel, SeriesPlan& plan) {
   }
 }
 
+// Polygons, each with its series' colour or that of its value.
+void add_shapes(const Plan& plan, const PanelPlan& panel, SeriesPlan& series) {
+  const std::optional<ColorScale>& colors = panel.panel->colors;
+  for (const Area& area : series.series->areas) {
+    Curve ring;
+    for (std::size_t i = 0; i < std::min(area.x.size(), area.y.size()); ++i) {
+      const Spot spot = to_pixels(panel, area.x[i], area.y[i], series.right);
+      // On a logarithmic axis what reaches zero goes to the edge.
+      ring.push_back({std::isnan(spot.x) && !std::isnan(area.x[i]) ? panel.box.left - beyond : spot.x,
+                      std::isnan(spot.y) && !std::isnan(area.y[i]) ? panel.box.bottom + beyond : spot.y});
+    }
+    const bool finite =
+        std::all_of(ring.begin(), ring.end(), [](Spot s) { return std::isfinite(s.x) && std::isfinite(s.y); });
+    if (ring.size() < 3 || !finite) continue;
+    if (series.series->crisp)
+      for (Spot& spot : ring) spot = {std::floor(spot.x + 0.5), std::floor(spot.y + 0.5)};
+    ring = clip_area(std::move(ring), panel.box.grown(beyond));
+    if (to_polyline(ring).size() < 3) continue;
+    Color color = series.color;
+    if (area.value && colors) {
+      if (std::isnan(*area.value)) continue;
+      const double part = (*area.value - colors->lower) / (colors->upper - colors->lower);
+      color = with_alpha(map_color(*plan.theme, colors->map, part), series.color.a);
+    }
+    series.shapes.push_back({std::move(ring), color});
+  }
+}
+
+// A shaft with its middle at the place, and a head; as long as the look says.
+void add_arrows(const Plan& plan, const PanelPlan& panel, SeriesPlan& series) {
+  const Series& s = *series.series;
+  const double length = plan.unit * (s.look.size > 0 ? s.look.size * 152.4 / 72 : 18), head = 0.3 * length;
+  for (std::size_t i = 0; i < std::min({s.x.size(), s.y.size(), s.toward_x.size(), s.toward_y.size()}); ++i) {
+    const Spot at = to_pixels(panel, s.x[i], s.y[i], series.right);
+    if (!panel.box.contains(at)) continue;
+    // The direction as it looks in the picture: the axes' units differ.
+    const double dx = s.toward_x[i] * panel.box.width() / (panel.x.upper - panel.x.lower);
+    const double dy = -s.toward_y[i] * panel.box.height() / (panel.y.upper - panel.y.lower);
+    const double size = std::hypot(dx, dy);
+    if (!(size > 0) || !std::isfinite(size)) continue;
+    const double ux = dx / size, uy = dy / size;
+    const Spot tip{at.x + 0.5 * length * ux, at.y + 0.5 * length * uy};
+    const Spot neck{tip.x - head * ux, tip.y - head * uy};
+    series.lines.push_back({{at.x - 0.5 * length * ux, at.y - 0.5 * length * uy}, neck});
+    series.shapes.push_back({{tip,
+                              {neck.x - 0.45 * head * uy, neck.y + 0.45 * head * ux},
+                              {neck.x + 0.45 * head * uy, neck.y - 0.45 * head * ux}},
+                             series.color});
+  }
+}
+
 void add_marks(const PanelPlan& panel, SeriesPlan& plan) {
   const Series& s = *plan.series;
   for (const Curve& curve : to_curves(panel, s.x, s.y, plan.right))
@@ -141,13 +192,22 @@ Spot to_pixels(const PanelPlan& panel, double x, double y, bool right) {
   return {std::clamp(px, -horizon, horizon), std::clamp(py, -horizon, horizon)};
 }
 
-void set_curves(const Plan&, PanelPlan& panel) {
+void set_curves(const Plan& figure, PanelPlan& panel) {
   const double end = last_x(panel);
   for (SeriesPlan& plan : panel.series) {
     plan.lines.clear();
     plan.areas.clear();
     plan.marks.clear();
+    plan.shapes.clear();
     const Series& s = *plan.series;
+    if (s.kind == Series::Kind::areas) {
+      add_shapes(figure, panel, plan);
+      continue;
+    }
+    if (s.kind == Series::Kind::arrows) {
+      add_arrows(figure, panel, plan);
+      continue;
+    }
     if (s.kind == Series::Kind::band) {
       add_area(panel, plan);
       continue;

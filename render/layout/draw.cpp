@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/layout/plan.h"
 #include "render/text/font.h"
@@ -13,70 +14,18 @@ namespace {
 
 Polyline straight(double x0, double y0, double x1, double y1) { return {to_point({x0, y0}), to_point({x1, y1})}; }
 
-Fill box_fill(const Box& box, Color color) {
-  const Rect r = to_rect(box);
-  return {{{{r.left, r.top}, {r.right, r.top}, {r.right, r.bottom}, {r.left, r.bottom}}}, color};
-}
-
 std::vector<Fixed> dashes(LineStyle style, double width, double unit) {
   if (style == LineStyle::dashed) return {to_fixed(3.5 * width), to_fixed(2.5 * width)};
+  if (style == LineStyle::dashdot)
+    return {to_fixed(5 * width), to_fixed(2.2 * width), to_fixed(1.2 * width), to_fixed(2.2 * width)};
   if (style == LineStyle::dotted) return {to_fixed(std::max(width, unit)), to_fixed(1.8 * width)};
   return {};
 }
 
-// The shape of a marker of radius r; what is open (ring, cross, plus) is drawn by lines.
-void add_marker(Fill& filled, Stroke& drawn, Marker marker, Spot at, double r) {
-  const auto polygon = [&](std::initializer_list<Spot> corners) {
-    Polyline ring;
-    for (const Spot c : corners) ring.push_back(to_point({at.x + c.x * r, at.y + c.y * r}));
-    return ring;
-  };
-  const auto circle = [&](double radius) {
-    // Points of the unit circle by turning (1, 0) through 15 degrees; the constants are cos and sin.
-    constexpr double c = 0.96592582628906829, s = 0.25881904510252076;
-    Polyline ring;
-    double x = radius, y = 0;
-    for (int i = 0; i < 24; ++i) {
-      ring.push_back(to_point({at.x + x, at.y + y}));
-      const double turned = c * x - s * y;
-      y = s * x + c * y;
-      x = turned;
-    }
-    return ring;
-  };
-  switch (marker) {
-    case Marker::none:
-      break;
-    case Marker::dot:
-      filled.rings.push_back(circle(r));
-      break;
-    case Marker::square:
-      filled.rings.push_back(polygon({{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}}));
-      break;
-    case Marker::diamond:
-      filled.rings.push_back(polygon({{0, -1.25}, {1.25, 0}, {0, 1.25}, {-1.25, 0}}));
-      break;
-    case Marker::triangle:
-      filled.rings.push_back(polygon({{0, -1.2}, {1.1, 0.8}, {-1.1, 0.8}}));
-      break;
-    case Marker::ring: {
-      Polyline ring = circle(r);
-      ring.push_back(ring.front());
-      drawn.lines.push_back(std::move(ring));
-      break;
-    }
-    case Marker::cross:
-      drawn.lines.push_back(polygon({{-0.9, -0.9}, {0.9, 0.9}}));
-      drawn.lines.push_back(polygon({{-0.9, 0.9}, {0.9, -0.9}}));
-      break;
-    case Marker::plus:
-      drawn.lines.push_back(polygon({{-1.1, 0}, {1.1, 0}}));
-      drawn.lines.push_back(polygon({{0, -1.1}, {0, 1.1}}));
-      break;
-  }
+const char* scale_name(const Ruler& ruler) {
+  if (ruler.named) return "names";
+  return ruler.scale == Scale::log && ruler.offset == 0 ? "log" : ruler.scale != Scale::linear ? "symlog" : "linear";
 }
-
-const char* scale_name(const Ruler& ruler) { return ruler.scale == Scale::log ? "log" : "linear"; }
 
 class Drawing {
  public:
@@ -116,16 +65,79 @@ class Drawing {
   double y_of(const PanelPlan& p, const Ruler& r, double v) { return p.box.bottom - position(r, v) * p.box.height(); }
 
   void panel(Group& group, const PanelPlan& p, const std::string& role) {
+    if (p.panel->space) {
+      words(group, p, role);
+      draw_space(group, plan_, p, role);
+      return;
+    }
     reference_bands(group, p, role);
-    grid(group, p, role);
+    if (!p.panel->bare) grid(group, p, role);
+    guides(group, p, role);
     areas(group, p, role);
     reference_lines(group, p, role);
-    axes(group, p, role);
+    if (!p.panel->bare) axes(group, p, role);
     lines(group, p, role);
-    numbers(group, p, role);
+    if (!p.panel->bare) numbers(group, p, role);
     words(group, p, role);
     placed_labels(group, p, role);
+    if (p.bar) draw_bar(group, plan_, p, p.box.right + right_of_box(p), role);
     key(group, p, role);
+    for (std::size_t i = 0; i < p.insets.size(); ++i) inset(group, p.insets[i], fmt::format("{}/inset/{}", role, i));
+  }
+
+  // Where the colour bar's room begins.
+  double right_of_box(const PanelPlan& p) {
+    if (p.key.kind == KeyKind::end_labels) return end_label_width(p) + 8 * u_ + 10 * u_;
+    if (!p.twin) return 0;
+    double widest = 0;
+    for (const Label& l : p.right_ticks) widest = std::max(widest, l.width);
+    return 18 * u_ + widest + static_cast<double>(p.right_label.size()) * 1.25 * theme_.label_size * u_;
+  }
+
+  void inset(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    if (p.inset_frame) {
+      const Box& f = *p.inset_frame;
+      Stroke frame{{}, to_fixed(theme_.reference_width * u_), {}, Stroke::Cap::butt, theme_.reference};
+      frame.lines.push_back({to_point({f.left, f.top}), to_point({f.right, f.top}), to_point({f.right, f.bottom}),
+                             to_point({f.left, f.bottom}), to_point({f.left, f.top})});
+      group.group(role + "/frame").add({std::move(frame)});
+    }
+    Group& own = group.group(role);
+    own.add({box_fill({b.left - side(p), b.top - 12 * u_, b.right + 12 * u_, b.bottom + 30 * u_}, theme_.background)});
+    panel(own, p, role);
+  }
+
+  double side(const PanelPlan& p) {
+    double widest = 0;
+    for (const Label& l : p.y_ticks) widest = std::max(widest, l.width);
+    return widest + 16 * u_;
+  }
+
+  // Grids and lines of reference that are curves.
+  void guides(Group& group, const PanelPlan& p, const std::string& role) {
+    for (std::size_t i = 0; i < p.series.size(); ++i) {
+      const SeriesPlan& s = p.series[i];
+      if (!s.is_guide()) continue;
+      Group& own = group.group(fmt::format("{}/guides/{}", role, i));
+      own.clip = to_rect(p.box);
+      shapes(own, s);
+      Stroke stroke{{}, to_fixed(s.width), dashes(s.style, 1.6 * s.width, u_), Stroke::Cap::butt, s.color};
+      for (const Curve& line : s.lines) stroke.lines.push_back(to_polyline(line));
+      if (!stroke.lines.empty()) own.add({std::move(stroke)});
+      markers(own, s, p.box);
+    }
+  }
+
+  // Neighbours of one colour together.
+  void shapes(Group& own, const SeriesPlan& s) {
+    Fill fill;
+    for (const Patch& shape : s.shapes) {
+      if (!fill.rings.empty() && !(fill.color == shape.color)) own.add({std::exchange(fill, {})});
+      fill.color = shape.color;
+      fill.rings.push_back(to_polyline(shape.ring));
+    }
+    if (!fill.rings.empty()) own.add({std::move(fill)});
   }
 
   void reference_bands(Group& group, const PanelPlan& p, const std::string& role) {
@@ -156,8 +168,9 @@ class Drawing {
       minor.lines.push_back(straight(crisp(x_of(p, v)), b.top, crisp(x_of(p, v)), b.bottom));
     for (const double v : p.y.minor)
       minor.lines.push_back(straight(b.left, crisp(y_of(p, p.y, v)), b.right, crisp(y_of(p, p.y, v))));
-    for (const Tick& t : p.x.ticks)
-      major.lines.push_back(straight(crisp(x_of(p, t.value)), b.top, crisp(x_of(p, t.value)), b.bottom));
+    if (!p.x.named)
+      for (const Tick& t : p.x.ticks)
+        major.lines.push_back(straight(crisp(x_of(p, t.value)), b.top, crisp(x_of(p, t.value)), b.bottom));
     for (const Tick& t : p.y.ticks)
       major.lines.push_back(straight(b.left, crisp(y_of(p, p.y, t.value)), b.right, crisp(y_of(p, p.y, t.value))));
     Group& lines = group.group(role + "/grid");
@@ -170,36 +183,47 @@ class Drawing {
   void areas(Group& group, const PanelPlan& p, const std::string& role) {
     for (std::size_t i = 0; i < p.series.size(); ++i) {
       const SeriesPlan& s = p.series[i];
+      if (s.series->kind == Series::Kind::areas && !s.is_guide()) {
+        Group& own = group.group(fmt::format("{}/series/{}", role, i), s.series->look.label);
+        own.clip = to_rect(p.box.grown(0.5));
+        shapes(own, s);
+      }
       if (s.series->kind != Series::Kind::band) continue;
       Group& own = group.group(fmt::format("{}/series/{}", role, i), s.series->look.label);
       own.clip = to_rect(p.box);
-      const Color color = with_alpha(s.color, s.series->look.color && s.color.a < 255 ? s.color.a : theme_.band_alpha);
+      const Color color = with_alpha(s.color, band_alpha(s));
       for (const Curve& area : s.areas)
         if (Polyline ring = to_polyline(area); ring.size() >= 3) own.add({Fill{{std::move(ring)}, color}});
     }
   }
 
+  std::uint8_t band_alpha(const SeriesPlan& s) const { return s.color.a < 255 ? s.color.a : theme_.band_alpha; }
+
   void lines(Group& group, const PanelPlan& p, const std::string& role) {
     for (std::size_t i = 0; i < p.series.size(); ++i) {
       const SeriesPlan& s = p.series[i];
-      if (s.series->kind == Series::Kind::band) continue;
+      if (s.series->kind == Series::Kind::band || s.series->kind == Series::Kind::areas || s.is_guide()) continue;
       Group& own = group.group(fmt::format("{}/series/{}", role, i), s.series->look.label);
       own.clip = clip_of(p);
       Stroke stroke{{}, to_fixed(s.width), dashes(s.style, s.width, u_), Stroke::Cap::butt, s.color};
       if (s.style == LineStyle::solid) stroke.cap = Stroke::Cap::round;
       for (const Curve& line : s.lines) stroke.lines.push_back(to_polyline(line));
       if (!stroke.lines.empty()) own.add({std::move(stroke)});
+      shapes(own, s);
       markers(own, s, p.box);
     }
   }
 
   void markers(Group& own, const SeriesPlan& s, const Box& box) {
     const Marker marker = s.series->look.marker == Marker::none ? Marker::dot : s.series->look.marker;
-    const double radius = s.series->look.style == LineStyle::none ? 3.6 * u_ : std::max(3.2 * u_, 1.6 * s.width);
+    const double radius = s.mark_radius;
     own.clip = to_rect(s.marks.empty() ? box.grown(2 * u_) : box.grown(1.5 * radius));
     Fill filled{{}, s.color};
     Stroke drawn{{}, to_fixed(s.width), {}, Stroke::Cap::butt, s.color};
     for (const Spot at : s.marks) add_marker(filled, drawn, marker, at, radius);
+    // What is translucent shows how many lie on top of each other.
+    if (s.color.a < 255)
+      for (Polyline& ring : std::exchange(filled.rings, {})) own.add({Fill{{std::move(ring)}, s.color}});
     if (!filled.rings.empty()) own.add({std::move(filled)});
     if (!drawn.lines.empty()) own.add({std::move(drawn)});
   }
@@ -250,13 +274,26 @@ class Drawing {
         group.group(role + "/x/note").add({text(p.x_note, b.right - p.x_note.width, below, 0, theme_.muted)});
       }
     }
+    if (p.shows_y) left_numbers(group, p, role);
+    right_numbers(group, p, role);
+  }
+
+  void left_numbers(Group& group, const PanelPlan& p, const std::string& role) {
+    const Box& b = p.box;
+    const double half = 0.5 * cap_height * theme_.text_size * u_, gap = 9 * u_;
     Group& left = group.group(role + "/y/ticks", scale_name(p.y));
-    const Color left_color = p.left_color.value_or(theme_.muted), right_color = p.right_color.value_or(theme_.muted);
+    const Color left_color = p.left_color.value_or(theme_.muted);
     for (std::size_t i = 0; i < p.y_ticks.size(); ++i)
       left.add({text(p.y_ticks[i], b.left - gap - p.y_ticks[i].width, y_of(p, p.y, p.y.ticks[i].value) + half, 0,
                      left_color)});
     if (!p.y_note.empty()) group.group(role + "/y/note").add({text(p.y_note, b.left, b.top - gap, 0, left_color)});
+  }
+
+  void right_numbers(Group& group, const PanelPlan& p, const std::string& role) {
     if (!p.twin) return;
+    const Box& b = p.box;
+    const double half = 0.5 * cap_height * theme_.text_size * u_, gap = 9 * u_;
+    const Color right_color = p.right_color.value_or(theme_.muted);
     Group& right = group.group(role + "/right/ticks", scale_name(p.right));
     for (std::size_t i = 0; i < p.right_ticks.size(); ++i)
       right.add(
@@ -292,7 +329,12 @@ class Drawing {
     }
     if (!p.y_label.empty()) {
       Group& label = group.group(role + "/y/label");
-      double x = 18 * u_ + cap_height * size;
+      // The first column's labels stand in one line at the picture's edge.
+      double widest = 0;
+      for (const Label& l : p.y_ticks) widest = std::max(widest, l.width);
+      double x = p.column == 0 ? 18 * u_ + cap_height * size
+                               : b.left - 1.9 * 9 * u_ - widest - 0.25 * size -
+                                     (static_cast<double>(p.y_label.size()) - 1) * line;
       for (const Label& l : p.y_label) {
         label.add({text(l, x, upright_y(p, l), 1, p.left_color.value_or(theme_.text))});
         x += line;
@@ -317,11 +359,29 @@ class Drawing {
   }
 
   void placed_labels(Group& group, const PanelPlan& p, const std::string& role) {
+    if (!p.callouts.empty()) {
+      Group& marks = group.group(role + "/callouts");
+      for (const PlacedMark& m : p.callouts) {
+        Fill halo{{}, theme_.background}, filled{{}, m.color};
+        Stroke around{{}, to_fixed(3.5 * u_), {}, Stroke::Cap::butt, theme_.background};
+        Stroke drawn{{}, to_fixed(2 * u_), {}, Stroke::Cap::butt, m.color};
+        add_marker(halo, around, m.marker, m.at, 6.2 * u_);
+        add_marker(filled, drawn, m.marker, m.at, 4.6 * u_);
+        if (!halo.rings.empty()) marks.add({std::move(halo)});
+        if (!filled.rings.empty()) marks.add({std::move(filled)});
+        if (!drawn.lines.empty()) marks.add({std::move(drawn)});
+      }
+    }
     if (p.labels.empty()) return;
     Group& labels = group.group(role + "/labels");
     for (const PlacedLabel& l : p.labels) {
-      const Box box{l.x + l.label.left, l.y + l.label.top, l.x + l.label.right, l.y + l.label.bottom};
-      if (l.veil) labels.add({box_fill(box.grown(2 * u_), with_alpha(theme_.background, 215))});
+      if (l.leader)
+        labels.add({Stroke{{{to_point(l.leader->first), to_point(l.leader->second)}},
+                           to_fixed(theme_.grid_width * u_),
+                           {},
+                           Stroke::Cap::butt,
+                           l.color}});
+      if (l.veil) labels.add({box_fill(l.box().grown(2 * u_), with_alpha(theme_.background, 215))});
       labels.add({text(l.label, l.x, l.y, 0, l.color)});
     }
   }
@@ -361,9 +421,9 @@ class Drawing {
   }
 
   void sample_of(Group& entry, const SeriesPlan& s, double x, double y, double length) {
-    if (s.series->kind == Series::Kind::band) {
+    if (s.series->kind == Series::Kind::band || s.series->kind == Series::Kind::areas) {
       const double half = 0.33 * theme_.text_size * u_;
-      const std::uint8_t alpha = s.series->look.color && s.color.a < 255 ? s.color.a : theme_.band_alpha;
+      const std::uint8_t alpha = s.series->kind == Series::Kind::band ? band_alpha(s) : s.color.a;
       entry.add({box_fill({x, y - half, x + length, y + half}, with_alpha(s.color, alpha))});
       return;
     }
@@ -376,7 +436,7 @@ class Drawing {
     if (s.series->look.marker == Marker::none) return;
     Fill filled{{}, s.color};
     Stroke drawn{{}, to_fixed(s.width), {}, Stroke::Cap::butt, s.color};
-    add_marker(filled, drawn, s.series->look.marker, {x + length / 2, y}, 3.4 * u_);
+    add_marker(filled, drawn, s.series->look.marker, {x + length / 2, y}, std::clamp(s.mark_radius, 2.4 * u_, 5 * u_));
     if (!filled.rings.empty()) entry.add({std::move(filled)});
     if (!drawn.lines.empty()) entry.add({std::move(drawn)});
   }

@@ -12,29 +12,6 @@
 namespace plantloop {
 namespace {
 
-constexpr double cell = 4;  // pixels, of the map of free space
-
-Occupancy map_of(const PanelPlan& panel) {
-  Occupancy map(panel.box, cell);
-  for (const SeriesPlan& series : panel.series) {
-    for (const Curve& area : series.areas) map.add_area(area);
-    for (const Curve& line : series.lines) map.add_line(line);
-    for (const Spot mark : series.marks) map.add_box(Box{mark.x, mark.y, mark.x, mark.y}.grown(4), 8);
-  }
-  for (const ReferenceLine& line : panel.panel->lines) {
-    const bool across = line.axis == ReferenceLine::y;
-    const Spot at = to_pixels(panel, across ? panel.x.lower : line.at, across ? line.at : panel.y.lower, false);
-    if (std::isnan(at.x) || std::isnan(at.y)) continue;
-    if (across)
-      map.add_line({{panel.box.left, at.y}, {panel.box.right, at.y}});
-    else
-      map.add_line({{at.x, panel.box.top}, {at.x, panel.box.bottom}});
-  }
-  for (const PlacedLabel& l : panel.labels)
-    map.add_box(Box{l.x + l.label.left, l.y + l.label.top, l.x + l.label.right, l.y + l.label.bottom}.grown(3), 100);
-  return map;
-}
-
 // Without the unit.
 std::string quantity(const std::string& label) {
   const std::size_t bracket = label.rfind(" [");
@@ -51,7 +28,7 @@ std::vector<std::size_t> labelled(const PanelPlan& panel) {
     const Axis& axis = s.right ? panel.panel->right : panel.panel->y;
     const std::string& label = s.series->look.label;
     const bool said_by_axis = (label == axis.label || label == quantity(axis.label)) && !label.empty();
-    if (!label.empty() && !(said_by_axis && panel.series.size() == 1)) result.push_back(i);
+    if (!label.empty() && !s.is_guide() && !(said_by_axis && panel.series.size() == 1)) result.push_back(i);
   }
   // The colours of the two axes' labels say it already.
   const bool axes_say_it =
@@ -137,26 +114,6 @@ double widest(const std::vector<Label>& labels) {
   double result = 0;
   for (const Label& label : labels) result = std::max(result, label.width);
   return result;
-}
-
-// The free place for a box of this size, or the best there is; `cost` tells which.
-Box emptiest(const PanelPlan& panel, const Occupancy& map, double width, double height, double inset, double& cost) {
-  const Box& b = panel.box;
-  const double left = b.left + inset, right = b.right - inset - width, middle = (left + right) / 2;
-  const double top = b.top + inset, bottom = b.bottom - inset - height, half = (top + bottom) / 2;
-  const Spot candidates[] = {{right, top},  {left, top},      {right, bottom}, {left, bottom},
-                             {middle, top}, {middle, bottom}, {right, half},   {left, half}};
-  Box best;
-  cost = std::numeric_limits<double>::infinity();
-  for (const Spot c : candidates) {
-    const Box box{c.x, c.y, c.x + width, c.y + height};
-    const double here = map.covered(box.grown(3));
-    if (here < cost) {
-      cost = here;
-      best = box;
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -263,93 +220,6 @@ void place_key(const Plan& plan, PanelPlan& panel) {
   } else if (key.kind == KeyKind::beside) {
     const double left = plan.width - 1.2 * s.row - key.columns * key.column - (key.columns - 1) * s.between;
     key.box = {left, b.top, plan.width - 1.2 * s.row, b.bottom};
-  }
-}
-
-void place_labels(const Plan& plan, PanelPlan& panel) {
-  panel.labels.clear();
-  const Theme& theme = *plan.theme;
-  const Box& b = panel.box;
-  const double gap = 6 * plan.unit;
-  const LabelStyle style{0.93 * theme.text_size * plan.unit, false, false};
-
-  // The candidate with the least below it; those that come first are preferred.
-  const auto settle = [&](Label label, const std::vector<Spot>& candidates, Color color) {
-    const Occupancy map = map_of(panel);
-    const Spot* best = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Spot& c : candidates) {
-      const Box box{c.x + label.left, c.y + label.top, c.x + label.right, c.y + label.bottom};
-      if (box.left < b.left || box.right > b.right || box.top < b.top || box.bottom > b.bottom) continue;
-      const double cost = map.covered(box.grown(1.5));
-      if (cost < least && cost < 1e4) {
-        least = cost;
-        best = &c;
-      }
-    }
-    const bool taken =
-        best && std::any_of(panel.labels.begin(), panel.labels.end(), [&](const PlacedLabel& o) {
-          const Box other{o.x + o.label.left, o.y + o.label.top, o.x + o.label.right, o.y + o.label.bottom};
-          return other.grown(2).meets(
-              {best->x + label.left, best->y + label.top, best->x + label.right, best->y + label.bottom});
-        });
-    if (best && !taken) panel.labels.push_back({std::move(label), best->x, best->y, color, least >= 8});
-  };
-  const auto fit = [&](const std::string& text) { return set_label_within(text, style, 0.5 * b.width()); };
-  const auto beside_level = [&](const Label& label, double y) {
-    std::vector<Spot> spots;
-    for (const double part : {1.0, 0.0, 0.75, 0.5, 0.25}) {
-      const double x = b.left + gap + part * (b.width() - 2 * gap - label.width);
-      spots.push_back({x, y - gap - label.bottom});
-      spots.push_back({x, y + gap + cap_height * label.size});
-    }
-    return spots;
-  };
-
-  for (const ReferenceLine& line : panel.panel->lines) {
-    if (line.label.empty()) continue;
-    const bool across = line.axis == ReferenceLine::y;
-    const Spot at = to_pixels(panel, across ? panel.x.lower : line.at, across ? line.at : panel.y.lower, false);
-    if (std::isnan(at.x) || std::isnan(at.y) || !b.grown(0.5).contains(across ? Spot{b.left, at.y} : Spot{at.x, b.top}))
-      continue;
-    const Color color = readable_on(theme.background, line.color.value_or(theme.reference), 4.5);
-    Label label = fit(line.label);
-    std::vector<Spot> spots;
-    if (across) {
-      spots = beside_level(label, at.y);
-    } else {
-      for (const double part : {0.0, 1.0, 0.25, 0.5, 0.75}) {
-        const double y = b.top + gap + cap_height * label.size + part * (b.height() - 2 * gap - label.size);
-        spots.push_back({at.x + gap, y});
-        spots.push_back({at.x - gap - label.width, y});
-      }
-    }
-    settle(std::move(label), spots, color);
-  }
-  for (const ReferenceBand& band : panel.panel->bands) {
-    if (band.label.empty()) continue;
-    const Color color = readable_on(theme.background, band.color.value_or(theme.reference), 4.5);
-    Label label = fit(band.label);
-    const double top = band.upper ? to_pixels(panel, panel.x.lower, *band.upper, false).y : b.top;
-    const double bottom = band.lower ? to_pixels(panel, panel.x.lower, *band.lower, false).y : b.bottom;
-    const double left = band.from ? to_pixels(panel, *band.from, panel.y.lower, false).x : b.left;
-    const double right = band.until ? to_pixels(panel, *band.until, panel.y.lower, false).x : b.right;
-    const Box area{std::max(left, b.left), std::max(top, b.top), std::min(right, b.right), std::min(bottom, b.bottom)};
-    if (!(area.width() > 0) || !(area.height() > 0)) continue;
-    std::vector<Spot> spots;
-    const double capital = cap_height * label.size;
-    if (area.height() > label.size + 2 * gap) {
-      for (const double y :
-           {area.top + gap + capital, area.bottom - gap - label.bottom, (area.top + area.bottom + capital) / 2})
-        for (const double x :
-             {area.left + gap, area.right - gap - label.width, (area.left + area.right - label.width) / 2})
-          if (x + label.width <= area.right) spots.push_back({x, y});
-    }
-    for (const double y : {area.top - gap, area.bottom + gap + capital})
-      for (const double x :
-           {area.right - gap - label.width, area.left + gap, (area.left + area.right - label.width) / 2})
-        spots.push_back({x, y});
-    settle(std::move(label), spots, color);
   }
 }
 

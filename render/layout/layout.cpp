@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "render/error.h"
 #include "render/layout/plan.h"
@@ -15,13 +16,23 @@ namespace {
 
 double default_height(const Figure& figure) {
   if (figure.panels.size() <= 1) {
-    const bool square = !figure.panels.empty() && figure.panels[0].equal;
+    const bool square = !figure.panels.empty() && (figure.panels[0].equal || figure.panels[0].space);
     return (square ? 0.8 : 2.0 / 3) * figure.width;
   }
-  // Many panels are lower than few.
-  const double low = figure.panels.size() == 2 ? 0.32 : figure.panels.size() == 3 ? 0.27 : 0.23;
+  const std::size_t columns = static_cast<std::size_t>(std::max(1, figure.columns));
+  const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
+  // Many panels are lower than few; beside each other they are about as high as wide.
+  const double low = columns > 1 ? 0.7 / static_cast<double>(columns) : rows == 2 ? 0.32 : rows == 3 ? 0.27 : 0.23;
   double sum = 0.13;
-  for (const Panel& panel : figure.panels) sum += (panel.x ? 0.5 : low) * std::clamp(panel.height, 0.2, 5.0);
+  for (std::size_t i = 0; i < figure.panels.size(); i += columns) {
+    double highest = 0;
+    for (std::size_t k = i; k < std::min(i + columns, figure.panels.size()); ++k) {
+      const Panel& panel = figure.panels[k];
+      const double own = columns > 1 || (!panel.x && !panel.space) ? low : 0.5;
+      highest = std::max(highest, own * std::clamp(panel.height, 0.2, 5.0));
+    }
+    sum += highest;
+  }
   return sum * figure.width;
 }
 
@@ -47,63 +58,28 @@ Plan begin(const Figure& figure) {
   return plan;
 }
 
-SeriesPlan plan_series(const Plan& plan, const Series& series, bool right, const SeriesStyle& style) {
-  SeriesPlan result;
-  result.series = &series;
-  result.right = right;
-  result.color = series.look.color.value_or(style.color);
-  result.text_color = readable_on(plan.theme->background, result.color, 4.5);
-  const double given = series.look.width * (152.4 / 72);  // points to sixths of a millimetre
-  const double widen = series.look.color ? 1.0 : style.widen;
-  result.width = plan.unit * (given > 0 ? given : plan.theme->line_width * widen);
-  result.style = series.look.style;
-  if (result.style == LineStyle::solid && !series.look.color && style.round % 3 != 0)
-    result.style = style.round % 3 == 1 ? LineStyle::dashed : LineStyle::dotted;
-  return result;
-}
-
-// Every series takes the next place in the palette, except those that are given a colour or share another's.
-void add_series(const Plan& plan, PanelPlan& p) {
-  std::vector<std::pair<const Series*, bool>> all;
-  for (const Series& s : p.panel->series) all.emplace_back(&s, false);
-  for (const Series& s : p.panel->right_series) all.emplace_back(&s, true);
-  const auto borrows = [&](const SeriesLook& look) {
-    return !look.color && look.color_of && *look.color_of < all.size();
-  };
-  std::vector<SeriesStyle> styles;
-  std::size_t next = 0;
-  for (const auto& [series, right] : all) {
-    const bool own = !series->look.color && !borrows(series->look);
-    styles.push_back(series_style(*plan.theme, own ? next++ : 0));
-    if (series->look.color) styles.back().color = *series->look.color;
-  }
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto [series, right] = all[i];
-    p.series.push_back(plan_series(plan, *series, right, styles[borrows(series->look) ? *series->look.color_of : i]));
-  }
-}
-
 void add_panels(Plan& plan) {
   static const Panel nothing{};
   const Figure& figure = *plan.figure;
-  const auto add = [&](const Panel& panel) {
-    PanelPlan p;
-    p.panel = &panel;
-    p.x_axis = panel.x ? &*panel.x : &figure.x;
-    p.twin = !panel.right_series.empty();
-    add_series(plan, p);
-    if (p.twin && panel.series.size() == 1) p.left_color = p.series.front().text_color;
-    if (p.twin && panel.right_series.size() == 1) p.right_color = p.series.back().text_color;
-    plan.panels.push_back(std::move(p));
-  };
-  for (const Panel& panel : figure.panels) add(panel);
-  if (figure.panels.empty()) add(nothing);
-  // Of the panels that share an axis only the lowest shows its numbers.
-  bool seen = false;
-  for (auto p = plan.panels.rbegin(); p != plan.panels.rend(); ++p) {
-    if (p->panel->x) continue;
-    p->shows_x = !seen;
-    seen = true;
+  for (const Panel& panel : figure.panels) plan.panels.push_back(plan_panel(plan, panel));
+  if (figure.panels.empty()) plan.panels.push_back(plan_panel(plan, nothing));
+  const int count = static_cast<int>(plan.panels.size());
+  plan.columns = std::clamp(figure.columns, 1, count);
+  plan.rows = (count + plan.columns - 1) / plan.columns;
+  for (int i = 0; i < count; ++i) {
+    PanelPlan& p = plan.panels[static_cast<std::size_t>(i)];
+    p.row = i / plan.columns;
+    p.column = i % plan.columns;
+    if (figure.share_y && p.column > 0) p.shows_y = false;
+  }
+  // Of the panels of a column that share an axis only the lowest shows its numbers.
+  for (int column = 0; column < plan.columns; ++column) {
+    bool seen = false;
+    for (auto p = plan.panels.rbegin(); p != plan.panels.rend(); ++p) {
+      if (p->panel->x || p->panel->space || p->panel->bare || p->column != column) continue;
+      p->shows_x = !seen;
+      seen = true;
+    }
   }
 }
 
@@ -138,7 +114,7 @@ void set_words(Plan& plan) {
     const Panel& panel = *p.panel;
     const double tall = p.box.height() > 0 ? 1.05 * p.box.height() : 300 * u;
     p.title = set_lines(panel.title, panel_title, p.box.width(), 2);
-    p.y_label = set_lines(panel.y.label, plan.label_style(), tall, 2);
+    p.y_label = p.shows_y ? set_lines(panel.y.label, plan.label_style(), tall, 2) : std::vector<Label>{};
     p.right_label = p.twin ? set_lines(panel.right.label, plan.label_style(), tall, 2) : std::vector<Label>{};
     const double note = p.x_note.empty() ? 0 : 2 * (p.x_note.width + 12 * u);
     p.x_label =
@@ -164,57 +140,92 @@ double height_below(const Plan& plan, const PanelPlan& p) {
   return 0.4 * m.gap + m.tick_row + (label > 0 ? label + 0.4 * m.gap : p.x_note.empty() ? 0 : m.tick_row);
 }
 
+double weight_of(const Plan& plan, const PanelPlan& p) {
+  const bool alone = p.panel->x && plan.columns == 1 && plan.panels.size() > 1;
+  return std::clamp(p.panel->height, 0.2, 5.0) * (alone ? 1.5 : 1);
+}
+
+// The room that a panel needs on its left.
+double left_of(const Plan& plan, const PanelPlan& p) {
+  const Measures m = measures(plan);
+  const double u = plan.unit;
+  double left = (p.column == 0 ? m.pad : 0.8 * m.pad) + (p.shows_y ? side_width(plan, p.y_ticks, p.y_label) : 0);
+  if (p.shows_x && !p.x_ticks.empty()) {
+    const double first = position(p.x, p.x.ticks.front().value);
+    left = std::max(left, p.x_ticks.front().width / 2 + 10 * u - first * std::max(p.box.width(), 1.0));
+  }
+  return left;
+}
+
+// ... and on its right.
+double right_of(const Plan& plan, const PanelPlan& p) {
+  const Measures m = measures(plan);
+  const double u = plan.unit;
+  double side = p.column + 1 == plan.columns ? 24 * u : 0.6 * m.pad;
+  if (p.shows_x && !p.x_ticks.empty()) {
+    const double at = position(p.x, p.x.ticks.back().value);
+    side = std::max(side, p.x_ticks.back().width / 2 + 10 * u - (1 - at) * std::max(p.box.width(), 1.0));
+  }
+  if (p.twin) side = std::max(side, m.pad + side_width(plan, p.right_ticks, p.right_label));
+  if (p.key.kind == KeyKind::end_labels) side = std::max(side, end_label_width(p) + 8 * u + m.pad);
+  if (p.key.kind == KeyKind::beside) {
+    const double beside = p.key.columns * p.key.column + (p.key.columns - 1) * 1.5 * plan.theme->text_size * u +
+                          2.6 * plan.theme->text_size * u;
+    side = (p.twin ? side : 0) + std::max(24 * u, beside);
+  }
+  if (p.bar) side = (p.twin || p.key.kind == KeyKind::end_labels ? side : 0) + bar_width(plan, p);
+  return side;
+}
+
 void set_boxes(Plan& plan) {
   const Measures m = measures(plan);
   const double u = plan.unit;
-  double left = 0, right = 0;
+  const auto count = [](int n) { return static_cast<std::size_t>(n); };
+  std::vector<double> lefts(count(plan.columns)), rights(count(plan.columns)), above(count(plan.rows)),
+      below(count(plan.rows)), weights(count(plan.rows));
   for (const PanelPlan& p : plan.panels) {
-    left = std::max(left, m.pad + side_width(plan, p.y_ticks, p.y_label));
-    double side = 24 * u;
-    if (p.shows_x && !p.x_ticks.empty()) {
-      const double at = position(p.x, p.x.ticks.back().value);
-      side = std::max(side, p.x_ticks.back().width / 2 + 10 * u - (1 - at) * std::max(p.box.width(), 1.0));
-      const double first = position(p.x, p.x.ticks.front().value);
-      left = std::max(left, p.x_ticks.front().width / 2 + 10 * u - first * std::max(p.box.width(), 1.0));
-    }
-    if (p.twin) side = std::max(side, m.pad + side_width(plan, p.right_ticks, p.right_label));
-    if (p.key.kind == KeyKind::end_labels) side = std::max(side, end_label_width(p) + 8 * u + m.pad);
-    if (p.key.kind == KeyKind::beside) {
-      const double beside = p.key.columns * p.key.column + (p.key.columns - 1) * 1.5 * plan.theme->text_size * u +
-                            2.6 * plan.theme->text_size * u;
-      side = (p.twin ? side : 0) + std::max(24 * u, beside);
-    }
-    right = std::max(right, side);
+    lefts[count(p.column)] = std::max(lefts[count(p.column)], left_of(plan, p));
+    rights[count(p.column)] = std::max(rights[count(p.column)], right_of(plan, p));
+    above[count(p.row)] = std::max(above[count(p.row)], height_above(plan, p));
+    below[count(p.row)] = std::max(below[count(p.row)], height_below(plan, p));
+    weights[count(p.row)] = std::max(weights[count(p.row)], weight_of(plan, p));
   }
   // Keep at least a third of the width for the data.
   const double most = 2.0 / 3 * plan.width;
-  if (left + right > most) {
-    right = std::min(right, most / 2);
-    left = std::min(left, most - right);
+  const double sum_left = std::accumulate(lefts.begin(), lefts.end(), 0.0);
+  const double sum_right = std::accumulate(rights.begin(), rights.end(), 0.0);
+  if (sum_left + sum_right > most) {
+    const double right = std::min(sum_right, most / 2), left = std::min(sum_left, most - right);
+    for (double& side : lefts) side *= left / sum_left;
+    for (double& side : rights) side *= right / sum_right;
   }
-  plan.title_x = left;
+  const double wide = (plan.width - std::accumulate(lefts.begin(), lefts.end(), 0.0) -
+                       std::accumulate(rights.begin(), rights.end(), 0.0)) /
+                      plan.columns;
+  plan.title_x = plan.panels.front().panel->space ? m.pad + 9 * u : lefts.front();
   plan.title_y = m.pad;
 
   double top = plan.title.empty()
                    ? m.pad
-                   : m.pad + static_cast<double>(plan.title.size()) * m.line * plan.theme->title_size * u + 0.7 * m.gap;
-  double fixed_height = top + 0.8 * m.pad, weights = 0;
+                   : m.pad + static_cast<double>(plan.title.size()) * m.line * plan.theme->title_size * u + 1.1 * m.gap;
   const double between = 26 * u;
-  for (std::size_t i = 0; i < plan.panels.size(); ++i) {
-    fixed_height += height_above(plan, plan.panels[i]) + height_below(plan, plan.panels[i]) + (i > 0 ? between : 0);
-    weights += std::clamp(plan.panels[i].panel->height, 0.2, 5.0) *
-               (plan.panels[i].panel->x && plan.panels.size() > 1 ? 1.5 : 1);
-  }
-  const double room = std::max(plan.height - fixed_height, 20 * u * static_cast<double>(plan.panels.size()));
-  for (std::size_t i = 0; i < plan.panels.size(); ++i) {
-    PanelPlan& p = plan.panels[i];
-    top += height_above(plan, p) + (i > 0 ? between : 0);
-    const double weight = std::clamp(p.panel->height, 0.2, 5.0) * (p.panel->x && plan.panels.size() > 1 ? 1.5 : 1);
-    const double height = room * weight / weights;
-    // Edges lie in the middle of pixels, where the axis lines are crisp.
-    const auto snap = [](double v) { return std::floor(v) + 0.5; };
-    p.box = {snap(left), snap(top), snap(plan.width - right), snap(top + height)};
-    top += height + height_below(plan, p);
+  const double fixed_height = top + 0.8 * m.pad + std::accumulate(above.begin(), above.end(), 0.0) +
+                              std::accumulate(below.begin(), below.end(), 0.0) + (plan.rows - 1) * between;
+  const double room = std::max(plan.height - fixed_height, 20 * u * plan.rows);
+  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
+  // Edges lie in the middle of pixels, where the axis lines are crisp.
+  const auto snap = [](double v) { return std::floor(v) + 0.5; };
+  for (std::size_t row = 0; row < above.size(); ++row) {
+    top += above[row] + (row > 0 ? between : 0);
+    const double height = room * weights[row] / all;
+    double x = 0;
+    for (std::size_t column = 0; column < lefts.size(); ++column) {
+      x += lefts[column];
+      const std::size_t i = row * lefts.size() + column;
+      if (i < plan.panels.size()) plan.panels[i].box = {snap(x), snap(top), snap(x + wide), snap(top + height)};
+      x += wide + rights[column];
+    }
+    top += height + below[row];
   }
 }
 
@@ -224,11 +235,11 @@ Scene layout(const Figure& figure) {
   Plan plan = begin(figure);
   add_panels(plan);
   // Boxes need the widths of the numbers, numbers need the sizes of the boxes: twice round is enough.
-  for (PanelPlan& p : plan.panels)
-    p.box = {0, 0, 0.85 * plan.width, 0.8 * plan.height / static_cast<double>(plan.panels.size())};
+  for (PanelPlan& p : plan.panels) p.box = {0, 0, 0.85 * plan.width / plan.columns, 0.8 * plan.height / plan.rows};
   const auto settle = [&] {
     for (int round = 0; round < 2; ++round) {
       set_rulers(plan);
+      for (PanelPlan& p : plan.panels) set_bar(plan, p);
       set_words(plan);
       set_boxes(plan);
     }
@@ -253,6 +264,7 @@ Scene layout(const Figure& figure) {
       place_labels(plan, p);
     }
     place_key(plan, p);
+    place_insets(plan, p);
   }
   return draw(plan);
 }

@@ -36,7 +36,11 @@ void Occupancy::add_line(const Curve& curve) {
 
 void Occupancy::add_area(const Curve& ring) {
   std::vector<double> crossings;
-  for (int column = 0; column < columns_; ++column) {
+  double left = box_.right, right = box_.left;
+  for (const Spot s : ring) left = std::min(left, s.x), right = std::max(right, s.x);
+  const auto column_of = [&](double x) { return static_cast<int>(std::floor((x - box_.left) / cell_)); };
+  const int begin = left > box_.left ? column_of(left) : 0, end = right < box_.right ? column_of(right) + 1 : columns_;
+  for (int column = begin; column < std::min(end, columns_); ++column) {
     const double x = box_.left + (column + 0.5) * cell_;
     crossings.clear();
     for (std::size_t i = 0; i < ring.size(); ++i) {

@@ -8,11 +8,18 @@
 
 #include "render/figure.h"
 #include "render/geometry/curve.h"
+#include "render/layout/occupancy.h"
 #include "render/layout/ticks.h"
 #include "render/text/label.h"
 #include "render/theme.h"
 
 namespace plantloop {
+
+// A filled polygon.
+struct Patch {
+  Curve ring;
+  Color color;
+};
 
 // A series with its place in the palette.
 struct SeriesPlan {
@@ -24,6 +31,10 @@ struct SeriesPlan {
   std::vector<Curve> lines;  // in pixels, decimated and clipped
   std::vector<Curve> areas;
   std::vector<Spot> marks;
+  std::vector<Patch> shapes;
+  double mark_radius = 3.6;
+  // Grids and references: below the data, not explained, of no weight for limits.
+  bool is_guide() const { return series->look.ink == Ink::grid || series->look.ink == Ink::reference; }
 };
 
 struct PlacedLabel {
@@ -31,6 +42,15 @@ struct PlacedLabel {
   double x = 0, y = 0;
   Color color;
   bool veil = false;  // data pass below: dim them
+  std::optional<std::pair<Spot, Spot>> leader;
+  Box box() const { return {x + label.left, y + label.top, x + label.right, y + label.bottom}; }
+};
+
+// A callout's marker.
+struct PlacedMark {
+  Spot at;
+  Marker marker = Marker::dot;
+  Color color;
 };
 
 enum class KeyKind { none, end_labels, inside, above, beside };
@@ -46,10 +66,20 @@ struct KeyPlan {
   Box box;
 };
 
+// The bar beside a panel that explains its colours.
+struct ColorBar {
+  const ColorScale* scale = nullptr;
+  Ruler ruler;
+  std::vector<Label> ticks, label;
+  Label note;
+};
+
 struct PanelPlan {
   const Panel* panel = nullptr;
   const Axis* x_axis = nullptr;
   bool shows_x = true;  // tick labels and label of the x axis
+  bool shows_y = true;
+  int row = 0, column = 0;
   bool twin = false;
   Ruler x, y, right;
   std::optional<Color> left_color, right_color;  // when one series alone belongs to the axis of a twin panel
@@ -60,7 +90,11 @@ struct PanelPlan {
   Label y_note, right_note, x_note;
   KeyPlan key;
   std::vector<double> end_label_y;
-  std::vector<PlacedLabel> labels;  // of reference lines and bands
+  std::vector<PlacedLabel> labels;  // of reference lines, bands and callouts
+  std::vector<PlacedMark> callouts;
+  std::optional<ColorBar> bar;
+  std::vector<PanelPlan> insets;
+  std::optional<Box> inset_frame;  // of an inset: what it shows, in its parent's pixels
 };
 
 struct Plan {
@@ -68,6 +102,7 @@ struct Plan {
   const Theme* theme = nullptr;
   double unit = 1;  // pixels per sixth of a millimetre
   int width = 0, height = 0;
+  int rows = 1, columns = 1;
   std::vector<Label> title;
   double title_x = 0, title_y = 0;
   std::vector<PanelPlan> panels;
@@ -75,10 +110,15 @@ struct Plan {
   LabelStyle text_style() const { return {theme->text_size * unit, false, false}; }
   LabelStyle tick_style() const { return {theme->text_size * unit, false, true}; }
   LabelStyle label_style() const { return {theme->label_size * unit, false, false}; }
+  LabelStyle remark_style() const { return {0.93 * theme->text_size * unit, false, false}; }
 };
+
+// panels.cpp: the plan of one panel, its series with their colours.
+PanelPlan plan_panel(const Plan& plan, const Panel& panel);
 
 // rulers.cpp: the ends and ticks of all axes, for the boxes the panels have now.
 void set_rulers(Plan& plan);
+void set_inset_rulers(const Plan& plan, PanelPlan& inset);
 
 // curves.cpp: the series of a panel in pixels.
 void set_curves(const Plan& plan, PanelPlan& panel);
@@ -88,8 +128,30 @@ Spot to_pixels(const PanelPlan& panel, double x, double y, bool right);
 void choose_end_labels(const Plan& plan, PanelPlan& panel);
 void choose_legend(const Plan& plan, PanelPlan& panel);  // decides where; a legend above or beside needs room
 void place_key(const Plan& plan, PanelPlan& panel);      // in the final box
-void place_labels(const Plan& plan, PanelPlan& panel);
 double end_label_width(const PanelPlan& panel);
+
+// remarks.cpp: the labels of reference lines, bands and callouts.
+void place_labels(const Plan& plan, PanelPlan& panel);
+
+// insets.cpp: places the insets of a panel whose box is final.
+void place_insets(const Plan& plan, PanelPlan& panel);
+
+// What there is to see in a panel, for what is to be placed where nothing is.
+Occupancy map_of(const PanelPlan& panel);
+// The free place for a box of this size, or the best there is; `cost` tells which.
+Box emptiest(const PanelPlan& panel, const Occupancy& map, double width, double height, double inset, double& cost);
+
+// bar.cpp: the colour bar.
+void set_bar(const Plan& plan, PanelPlan& panel);
+double bar_width(const Plan& plan, const PanelPlan& panel);  // the room it needs at the panel's right
+void draw_bar(Group& group, const Plan& plan, const PanelPlan& panel, double left, const std::string& role);
+
+// space.cpp: a panel in three dimensions.
+void draw_space(Group& group, const Plan& plan, const PanelPlan& panel, const std::string& role);
+
+// marks.cpp: a filled box, and the shape of a marker of radius r; what is open (ring, cross, plus) is drawn by lines.
+Fill box_fill(const Box& box, Color color);
+void add_marker(Fill& filled, Stroke& drawn, Marker marker, Spot at, double r);
 
 // draw.cpp
 Scene draw(const Plan& plan);

@@ -217,6 +217,9 @@ Ruler linear(const RulerWish& wish) {
     if (upper <= lower) upper = lower + width;
   } else if (!wish.tight) {
     const double span = upper - lower;
+    // What is zero but for rounding is zero.
+    if (!fixed_lower && std::abs(lower) < 1e-9 * span) lower = 0;
+    if (!fixed_upper && std::abs(upper) < 1e-9 * span) upper = 0;
     if (!fixed_lower && lower > 0 && lower < 0.15 * upper) lower = 0;
     if (!fixed_upper && upper < 0 && upper > 0.15 * lower) upper = 0;
     // Lines do not run along the edge; but an angle may touch its multiple of 45 degrees.
@@ -259,18 +262,34 @@ int nice_stride(int least) {
       if (m * decade >= least) return m * decade;
 }
 
+// Where less than two powers of ten are seen, the numbers are those of a straight axis.
+void label_plainly(Ruler& ruler, double target) {
+  if (ruler.ticks.size() >= 2) return;
+  Ruler plain;
+  plain.lower = ruler.lower;
+  plain.upper = ruler.upper;
+  set_ticks(plain, target, false);
+  ruler.ticks = plain.ticks;
+  ruler.minor.clear();
+  ruler.note = plain.note;
+  ruler.exponent = plain.exponent;
+  ruler.offset = plain.offset;
+}
+
 Ruler logarithmic(const RulerWish& wish) {
   Ruler ruler;
   ruler.scale = Scale::log;
   double lower = std::clamp(wish.data_lower, smallest, largest), upper = std::clamp(wish.data_upper, smallest, largest);
   if (!(wish.data_lower <= wish.data_upper) || !(wish.data_upper > 0)) lower = 0.1, upper = 10;
   const auto given = [](const std::optional<double>& end) { return end && *end > 0 && std::isfinite(*end); };
-  const bool fixed_lower = given(wish.limits.lower), fixed_upper = given(wish.limits.upper);
+  const bool fixed_lower = given(wish.limits.lower);
+  bool fixed_upper = given(wish.limits.upper);
   if (fixed_lower) lower = tamed(*wish.limits.lower);
   if (fixed_upper) upper = tamed(*wish.limits.upper);
   if (fixed_lower && fixed_upper && lower > upper) std::swap(lower, upper);
   if (lower < smallest) lower = smallest;
   upper = std::max(upper, lower);
+  if (upper <= lower * (1 + 1e-12)) fixed_upper = false;
 
   double a = std::log10(lower), b = std::log10(upper);
   const bool decades = b - a > 0.9 || b - a < 1e-9;
@@ -316,6 +335,73 @@ Ruler logarithmic(const RulerWish& wish) {
       }
     }
   }
+  label_plainly(ruler, target);
+  return ruler;
+}
+
+// Straight within the threshold, one unit to the decade beyond it.
+double bent(double value, double threshold) {
+  const double size = std::abs(value) / threshold;
+  if (size <= 1) return value / threshold;
+  return std::copysign(1 + std::log10(size), value);
+}
+
+Ruler symmetric(const RulerWish& wish) {
+  Ruler ruler;
+  ruler.scale = Scale::symlog;
+  double lower = tamed(wish.data_lower), upper = tamed(wish.data_upper);
+  if (!(wish.data_lower <= wish.data_upper)) lower = -1, upper = 1;
+  const auto given = [](const std::optional<double>& end) { return end && std::isfinite(*end); };
+  const bool fixed_lower = given(wish.limits.lower), fixed_upper = given(wish.limits.upper);
+  if (fixed_lower) lower = tamed(*wish.limits.lower);
+  if (fixed_upper) upper = tamed(*wish.limits.upper);
+  if (lower > upper) std::swap(lower, upper);
+  double most = std::max(std::abs(lower), std::abs(upper));
+  if (!(most > 0)) most = 1;
+  const int decade = decade_of(most);
+  // Four decades on the larger side are mostly what is wanted.
+  ruler.threshold = wish.threshold > 0 && std::isfinite(wish.threshold) ? tamed(wish.threshold)
+                                                                        : std::pow(10.0, std::max(decade - 3, -300));
+  ruler.threshold = std::max(ruler.threshold, smallest);
+  const double c = ruler.threshold;
+  const auto outward = [&](double v) {
+    if (v == 0) return v;
+    const double power = std::pow(10.0, std::ceil(std::log10(std::abs(v) / c) - 1e-9));
+    return std::copysign(std::max(c, std::min(c * power, 1e3 * largest)), v);
+  };
+  ruler.lower = fixed_lower ? lower : outward(std::min(lower, 0.0));
+  ruler.upper = fixed_upper ? upper : outward(std::max(upper, 0.0));
+  if (!(ruler.lower < ruler.upper)) ruler.upper = ruler.lower + std::max(c, std::abs(ruler.lower));
+  const double span = bent(ruler.upper, c) - bent(ruler.lower, c);
+  const double target = std::clamp(wish.length / wish.spacing, 3.0, 9.0);
+  const int stride = nice_stride(static_cast<int>(std::ceil(span / target)));
+  const int first = static_cast<int>(std::ceil(std::log10(c) - 1e-9));
+  for (int sign : {-1, 1}) {
+    std::vector<Tick> side;
+    for (int k = 0; k < 640; ++k) {
+      const int e = first + k;
+      const double value = sign * std::pow(10.0, e);
+      if (!std::isfinite(value) ||
+          std::abs(value) > std::max(std::abs(ruler.lower), std::abs(ruler.upper)) * (1 + 1e-9))
+        break;
+      const double slack = 1e-9 * std::abs(value);
+      if (value < ruler.lower - slack || value > ruler.upper + slack) continue;
+      // Beside zero there must be room.
+      const bool near_zero = std::abs(bent(value, c)) / span * wish.length < wish.gap;
+      if (k % stride == 0 && !near_zero)
+        side.push_back({value, fmt::format("{}10^{{{}}}", sign < 0 ? "−" : "", e)});
+      else if (stride == 1)
+        ruler.minor.push_back(value);
+    }
+    if (sign < 0) {
+      std::reverse(side.begin(), side.end());
+      ruler.ticks = std::move(side);
+      if (ruler.lower <= 0 && ruler.upper >= 0) ruler.ticks.push_back({0, "0"});
+    } else {
+      ruler.ticks.insert(ruler.ticks.end(), side.begin(), side.end());
+    }
+  }
+  label_plainly(ruler, target);
   return ruler;
 }
 
@@ -330,12 +416,32 @@ void set_ticks(Ruler& ruler, double target, bool degrees) {
   if (choice.score > -1e8) write_linear_labels(ruler, choice);
 }
 
-Ruler make_ruler(const RulerWish& wish) { return wish.scale == Scale::log ? logarithmic(wish) : linear(wish); }
+Ruler make_ruler(const RulerWish& wish) {
+  Ruler ruler = wish.scale == Scale::log      ? logarithmic(wish)
+                : wish.scale == Scale::symlog ? symmetric(wish)
+                                              : linear(wish);
+  if (!wish.named) return ruler;
+  ruler.named = true;
+  ruler.ticks.clear();
+  ruler.minor.clear();
+  ruler.note.clear();
+  int count = 0;
+  for (const AxisTick& tick : *wish.named) {
+    const double at = position(ruler, tick.at);
+    if (!(at >= -1e-9 && at <= 1 + 1e-9)) continue;
+    if (count++ % wish.every == 0) ruler.ticks.push_back({tick.at, tick.label});
+  }
+  return ruler;
+}
 
 double position(const Ruler& ruler, double value) {
   // Ticks may lie a little beyond `largest`, and differences must stay finite.
   if (ruler.scale == Scale::linear)
     return (std::clamp(value, -1e3 * largest, 1e3 * largest) - ruler.lower) / (ruler.upper - ruler.lower);
+  if (ruler.scale == Scale::symlog) {
+    const double low = bent(ruler.lower, ruler.threshold);
+    return (bent(value, ruler.threshold) - low) / (bent(ruler.upper, ruler.threshold) - low);
+  }
   if (!(value > 0)) return std::numeric_limits<double>::quiet_NaN();
   const double a = std::log10(ruler.lower);
   return (std::log10(value) - a) / (std::log10(ruler.upper) - a);

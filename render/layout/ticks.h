@@ -25,6 +25,8 @@ struct Ruler {
   double lower = 0, upper = 1;
   std::vector<Tick> ticks;
   std::vector<double> minor;  // between the ticks of a logarithmic axis
+  double threshold = 1;       // of a symmetric logarithmic axis: straight between minus and plus this
+  bool named = false;         // the ticks are names, not numbers
   int exponent = 0;           // the labels are to be multiplied by ten to this ...
   double offset = 0;          // ... and this is to be added
   std::string note;           // "×10^{3}", "+ 1000000": what stands in the corner; mostly empty
@@ -42,6 +44,9 @@ struct RulerWish {
   bool degrees = false;          // prefer 15, 30, 45, 90
   int intervals = 0;             // when positive: exactly as many as this (a twin axis shares the other's grid lines)
   int intervals_below_zero = 0;  // of the other axis: zero stands at the same height when there is room for that
+  double threshold = 0;          // of a symmetric logarithmic axis; 0: found
+  const std::vector<AxisTick>* named = nullptr;  // ticks that the user gives
+  int every = 1;                                 // of these, every so manieth
 };
 
 Ruler make_ruler(const RulerWish& wish);

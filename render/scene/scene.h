@@ -88,13 +88,6 @@ struct SceneNode {
   std::variant<Fill, Stroke, TextRun, Group> item;
 };
 
-inline Group& Group::group(std::string child_role, std::string child_name) {
-  children.push_back({Group{std::move(child_role), std::move(child_name), {}, {}}});
-  return std::get<Group>(children.back().item);
-}
-
-inline void Group::add(SceneNode node) { children.push_back(std::move(node)); }
-
 struct SceneFont {
   std::string name, sha256;
   friend bool operator==(const SceneFont&, const SceneFont&) = default;

@@ -109,7 +109,9 @@ void push_functions(lua_State* L, const Entries& entries) {
   lua_createtable(L, 0, static_cast<int>(entries.size()));
   for (const Entry& entry : entries) {
     push_text(L, entry.name);
-    lua_pushcfunction(L, entry.function);
+    // A function knows its own name: one serves all plot types.
+    push_text(L, entry.name);
+    lua_pushcclosure(L, entry.function, 1);
     lua_rawset(L, -3);
   }
 }

@@ -47,6 +47,7 @@ Entries run_methods();
 Entries figure_functions();
 Entries figure_methods();
 Entries panel_methods();
+Entries plot_methods(std::string_view self);
 Entries file_functions();
 
 // Of the table pl.identify, by file.

@@ -13,6 +13,7 @@
 #include "render/layout.h"
 #include "render/theme.h"
 #include "scripts/host/api.h"
+#include "scripts/host/figure_options.h"
 #include "scripts/host/objects.h"
 #include "scripts/host/picture.h"
 #include "scripts/host/vector.h"
@@ -31,9 +32,10 @@ Limits limits_on_top(lua_State* L) {
 }
 
 Scale scale_of(const std::string& text) {
-  if (text != "linear" && text != "log")
-    throw ScriptError(fmt::format("'scale' must be linear or log, it is '{}'", text));
-  return text == "log" ? Scale::log : Scale::linear;
+  if (text == "linear") return Scale::linear;
+  if (text == "log") return Scale::log;
+  if (text == "symlog") return Scale::symlog;
+  throw ScriptError(fmt::format("'scale' must be linear, log or symlog, it is '{}'", text));
 }
 
 // An axis: its label, or {label = ..., limits = {0, 1}, scale = "log"}.
@@ -43,9 +45,10 @@ void read_axis(lua_State* L, const Options& options, const char* key, Axis& axis
     axis.label = lua_tostring(L, -1);
   } else {
     if (!lua_istable(L, -1)) options.wrong(key, "a label or {label = ..., limits = {...}}");
-    const Options own(L, -1, fmt::format("the axis '{}'", key), {"label", "limits", "scale"});
+    const Options own(L, -1, fmt::format("the axis '{}'", key), {"label", "limits", "scale", "threshold"});
     axis.label = own.text("label", axis.label);
     if (own.has("scale")) axis.scale = scale_of(own.text("scale"));
+    axis.threshold = own.number("threshold").value_or(axis.threshold);
     if (own.push("limits")) {
       axis.limits = limits_on_top(L);
       lua_pop(L, 1);
@@ -68,22 +71,24 @@ LineStyle line_style(const Options& options, LineStyle fallback) {
   if (style == "solid") return LineStyle::solid;
   if (style == "dashed") return LineStyle::dashed;
   if (style == "dotted") return LineStyle::dotted;
-  options.wrong("style", "solid, dashed or dotted");
+  if (style == "dashdot") return LineStyle::dashdot;
+  options.wrong("style", "solid, dashed, dotted or dashdot");
 }
 
 Marker marker_of(const Options& options) {
-  constexpr std::array<std::string_view, 8> names{"none",    "dot",      "ring",  "square",
-                                                  "diamond", "triangle", "cross", "plus"};
+  constexpr std::array<std::string_view, 10> names{"none",     "dot",   "ring", "square", "diamond",
+                                                   "triangle", "cross", "plus", "dash",   "tick"};
   const auto found = std::find(names.begin(), names.end(), options.text("marker", "none"));
   if (found == names.end()) {
-    options.wrong("marker", "none, dot, ring, square, diamond, triangle, cross or plus");
+    options.wrong("marker", "none, dot, ring, square, diamond, triangle, cross, plus, dash or tick");
   }
   return static_cast<Marker>(found - names.begin());
 }
 
 const std::vector<std::string> reference_keys{"y", "x", "label", "style", "color"};
 const std::vector<std::string> shade_keys{"lower", "upper", "from", "until", "label", "color"};
-const std::vector<std::string> series_keys{"label", "style", "marker", "color", "width", "right"};
+const std::vector<std::string> callout_keys{"x", "y", "label", "marker", "color", "right"};
+const std::vector<std::string> inset_keys{"x", "y", "limits", "place"};
 const std::vector<std::string> panel_keys{"title", "x",     "y",     "right", "limits",
                                           "scale", "lines", "bands", "equal", "height"};
 
@@ -136,7 +141,7 @@ void read_panel(lua_State* L, const Options& options, Panel& panel) {
 
 int make(lua_State* L) {
   std::vector<std::string> keys = panel_keys;
-  keys.insert(keys.end(), {"theme", "width", "dpi"});
+  keys.insert(keys.end(), {"theme", "width", "dpi", "columns", "share_y"});
   const Options options(L, 1, "the options of figure", keys);
   auto figure = std::make_shared<Figure>();
   FigureObject object{figure, {}};
@@ -148,6 +153,10 @@ int make(lua_State* L) {
   figure->width = options.number("width").value_or(figure->width);
   figure->height = options.number("height").value_or(figure->height);
   figure->dpi = options.number("dpi").value_or(figure->dpi);
+  const double columns = options.number("columns").value_or(1);
+  if (!(columns >= 1 && columns <= 20)) throw ScriptError("'columns' must be a whole number from 1 to 20");
+  figure->columns = static_cast<int>(columns);
+  figure->share_y = options.flag("share_y");
   read_axis(L, options, "x", figure->x);
   read_panel(L, options, object.first);
   push_object(L, figure_kind, std::move(object));
@@ -171,22 +180,13 @@ int panel(lua_State* L) {
   return 1;
 }
 
-// The panel that a method was called on; of a figure its first one, which is made when need be.
-Panel& panel_of(lua_State* L) {
-  if (const auto* panel = test_object<PanelObject>(L, 1, panel_kind)) return panel->figure->panels[panel->index];
-  FigureObject& self = self_argument<FigureObject>(L, figure_kind);
-  if (self.figure->panels.empty()) self.figure->add_panel(self.first);
-  return self.figure->panels.front();
-}
+Panel& panel_of(lua_State* L) { return panel_place(L).get(); }
 
 void settle_look(const Options& options, Series& series) {
-  series.look.label = options.text("label", series.look.label);
-  series.look.marker = marker_of(options);
-  series.look.color = color_of(options);
-  series.look.width = options.number("width").value_or(0);
-  if (!apply_style(options.text("style"), series.look, series.kind)) {
-    options.wrong("style", "solid, dashed, dotted, dashdot, none, points, line_points or steps");
-  }
+  const std::string label = series.look.label;
+  series.look = read_look(options);
+  if (!options.has("label")) series.look.label = label;
+  apply_style(options.text("style"), series.look, series.kind);
 }
 
 int add(lua_State* L, Panel& panel, const Options& options, Series series) {
@@ -204,7 +204,7 @@ void check_lengths(const std::vector<double>& x, const std::vector<double>& y, c
 
 int add_curve(lua_State* L, Series::Kind kind, bool only_markers) {
   Panel& panel = panel_of(L);
-  const Options options(L, 4, "the options of a curve", series_keys);
+  const Options options(L, 4, "the options of a curve", look_keys());
   Series series{.kind = kind, .x = numbers_argument(L, 2, "x"), .y = numbers_argument(L, 3, "y")};
   check_lengths(series.x, series.y, "y");
   settle_look(options, series);
@@ -218,7 +218,7 @@ int markers(lua_State* L) { return add_curve(L, Series::Kind::line, true); }
 
 int band(lua_State* L) {
   Panel& panel = panel_of(L);
-  const Options options(L, 5, "the options of a band", series_keys);
+  const Options options(L, 5, "the options of a band", look_keys());
   Series series{.kind = Series::Kind::band,
                 .x = numbers_argument(L, 2, "x"),
                 .y = numbers_argument(L, 4, "upper"),
@@ -234,7 +234,7 @@ int signal(lua_State* L) {
   check_self(L, 2, run_kind);
   const RunObject& run = **static_cast<RunPointer*>(lua_touserdata(L, 2));
   const std::string name = text_argument(L, 3, "column");
-  const Options options(L, 4, "the options of a curve", series_keys);
+  const Options options(L, 4, "the options of a curve", look_keys());
   const std::size_t column = column_of(run, name);
   Series series = series_of(run.recording(), column, {.label = name});
   settle_look(options, series);
@@ -254,6 +254,43 @@ int shade(lua_State* L) {
   Panel& panel = panel_of(L);
   panel.bands.push_back(shade_of(L, 2));
   lua_settop(L, 1);
+  return 1;
+}
+
+int annotate(lua_State* L) {
+  Panel& panel = panel_of(L);
+  const Options options(L, 2, "a remark", callout_keys);
+  if (!options.has("x") || !options.has("y"))
+    throw ScriptError("a remark stands at x and y, as in {x = 1, y = 2, label = \"peak\"}");
+  Callout callout{.x = *options.number("x"), .y = *options.number("y"), .label = options.text("label")};
+  if (options.has("marker")) callout.marker = marker_of(options);
+  callout.color = color_of(options);
+  callout.right = options.flag("right");
+  panel.callouts.push_back(std::move(callout));
+  lua_settop(L, 1);
+  return 1;
+}
+
+int inset(lua_State* L) {
+  const PanelPlace place = panel_place(L);
+  if (place.inset) throw ScriptError("an inset has no insets");
+  const Options options(L, 2, "the options of inset", inset_keys);
+  Panel made;
+  made.x = Axis{};
+  read_axis(L, options, "x", *made.x);
+  read_axis(L, options, "y", made.y);
+  if (options.push("limits")) {
+    made.y.limits = limits_on_top(L);
+    lua_pop(L, 1);
+  }
+  if (options.push("place")) {
+    const Array& where = vector_argument(L, -1, "place");
+    if (where.size() != 4) throw ScriptError("'place' is four parts of the panel, {left, bottom, width, height}");
+    made.place = Panel::Place{where.data()[0], where.data()[1], where.data()[2], where.data()[3]};
+    lua_pop(L, 1);
+  }
+  place.get().insets.push_back(std::move(made));
+  push_object(L, panel_kind, PanelObject{place.figure, place.panel, place.get().insets.size() - 1});
   return 1;
 }
 
@@ -283,10 +320,11 @@ int index(lua_State* L) {
 }
 
 Entries series_methods(std::string_view self) {
+  Entries entries = plot_methods(self);
   const std::string_view look =
       "x: pl.Vector, y: pl.Vector, look?: {label?: string, style?: string, marker?: string, color?: string, width?: "
       "number, right?: boolean}";
-  return {
+  const Entries own{
       {"line", guarded<line>, look, self, "adds a curve, straight from point to point"},
       {"stairs", guarded<stairs>, look, self, "adds a curve that holds each value until the next"},
       {"markers", guarded<markers>, look, self, "adds points without a line"},
@@ -300,13 +338,54 @@ Entries series_methods(std::string_view self) {
       {"reference", guarded<reference>,
        "line: {y?: number, x?: number, label?: string, style?: string, color?: string}", self,
        "adds a thin line across the panel"},
+      {"annotate", guarded<annotate>,
+       "remark: {x: number, y: number, label?: string, marker?: string, color?: string, right?: boolean}", self,
+       "marks a point and says something about it where there is room"},
+      {"inset", guarded<inset>, "options?: {x?: string|table, y?: string|table, limits?: number[], place?: number[]}",
+       "pl.Panel",
+       "a small panel inside this one, by default where the least is drawn; place is {left, bottom, width, height}, "
+       "parts of the panel"},
       {"shade", guarded<shade>,
        "band: {lower?: number, upper?: number, from?: number, until?: number, label?: string, color?: string}", self,
        "tints a part of the panel"},
   };
+  entries.insert(entries.begin(), own.begin(), own.end());
+  return entries;
 }
 
 }  // namespace
+
+Panel& PanelPlace::get() const {
+  Panel& outer = figure->panels[panel];
+  return inset ? outer.insets[*inset] : outer;
+}
+
+PanelPlace panel_place(lua_State* L) {
+  if (const auto* panel = test_object<PanelObject>(L, 1, panel_kind))
+    return {panel->figure, panel->index, panel->inset};
+  FigureObject& self = self_argument<FigureObject>(L, figure_kind);
+  if (self.figure->panels.empty()) self.figure->add_panel(self.first);
+  return {self.figure, 0, std::nullopt};
+}
+
+const std::vector<std::string>& look_keys() {
+  static const std::vector<std::string> keys{"label", "style", "marker", "color", "width", "opacity", "size", "right"};
+  return keys;
+}
+
+SeriesLook read_look(const Options& options) {
+  SeriesLook look;
+  look.label = options.text("label");
+  look.marker = marker_of(options);
+  look.color = color_of(options);
+  look.width = options.number("width").value_or(0);
+  look.opacity = options.number("opacity").value_or(1);
+  look.size = options.number("size").value_or(0);
+  Series::Kind kind{};
+  if (!apply_style(options.text("style"), look, kind))
+    options.wrong("style", "solid, dashed, dotted, dashdot, none, points, line_points or steps");
+  return look;
+}
 
 std::string save_picture(const Session& session, const Figure& figure, const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
@@ -329,7 +408,7 @@ Entries figure_functions() {
        "scale?: "
        "string, lines?: table[], bands?: table[], equal?: boolean, theme?: string, width?: number, height?: number, "
        "dpi?: "
-       "number}",
+       "number, columns?: integer, share_y?: boolean}",
        "pl.Figure",
        "a new figure. x and y are labels, or {label = ..., limits = {0, 1}, scale = \"log\"}; sizes in mm"},
   };

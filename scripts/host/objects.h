@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -44,6 +45,7 @@ struct FigureObject {
 struct PanelObject {
   std::shared_ptr<Figure> figure;
   std::size_t index = 0;
+  std::optional<std::size_t> inset;  // of that panel
 };
 
 }  // namespace plantloop::lua

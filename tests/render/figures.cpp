@@ -9,6 +9,8 @@
 #include <functional>
 #include <limits>
 
+#include "render/plots/plot.h"
+
 namespace plantloop {
 namespace {
 
@@ -197,6 +199,53 @@ Figure strange(const std::string& title, std::vector<double> x, std::vector<doub
   return f;
 }
 
+Figure small_multiples() {
+  const auto t = grid(0, 8, 401);
+  Figure f{.title = "One loop, six gains", .columns = 3, .share_y = true};
+  f.x.label = "time [s]";
+  for (const double k : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
+    Panel& p = f.add_panel({.title = fmt::format("k = {:g}", k), .y = {.label = k == 0.5 || k == 4 ? "y" : ""}});
+    p.line(t, map(t, [=](double s) { return step_response(s, std::sqrt(2 * k), 0.7 / std::sqrt(k + 0.3)); }));
+    p.lines.push_back({.at = 1});
+  }
+  return f;
+}
+
+Figure inset() {
+  const auto t = grid(0, 20, 2001);
+  Figure f{.title = "A settled response is not at rest"};
+  f.x.label = "time [s]";
+  Panel& p = f.add_panel({.y = {.label = "position [m]"}});
+  const auto y = map(t, [](double s) { return step_response(s, 1.5, 0.5) + 0.004 * std::sin(9 * s); });
+  p.line(t, y, {.label = "y"});
+  Panel& detail = p.insets.emplace_back();
+  detail.x = Axis{.limits = {12, 16}};
+  detail.y.limits = {0.99, 1.01};
+  detail.line(t, y);
+  return f;
+}
+
+Figure symmetric() {
+  const auto t = grid(0, 10, 801);
+  Figure f{.title = "A diverging oscillation on a symmetric logarithmic axis"};
+  f.x.label = "time [s]";
+  Panel& p = f.add_panel({.y = {.label = "amplitude", .scale = Scale::symlog}});
+  p.line(t, map(t, [](double s) { return 0.01 * std::exp(1.4 * s) * std::sin(4 * s); }), {.label = "y"});
+  return f;
+}
+
+Figure remarks() {
+  const auto t = grid(0, 10, 501);
+  Figure f{.title = "Remarks find their place"};
+  f.x.label = "time [s]";
+  Panel& p = f.add_panel({.y = {.label = "y"}});
+  const auto y = [](double s) { return std::sin(s) + 0.3 * std::sin(5 * s); };
+  p.line(t, map(t, y), {.label = "measured"});
+  for (const double at : {0.3, 1.6, 3.0, 4.7, 6.2, 7.9, 9.4})
+    p.callouts.push_back({.x = at, .y = y(at), .label = fmt::format("y({:g} s) = {:.2f}", at, y(at)), .color_of = 0});
+  return f;
+}
+
 Figure twin_many() {
   const auto t = grid(0, 20, 800);
   Figure f{.title = "Tank: levels and flows"};
@@ -297,6 +346,13 @@ std::vector<NamedFigure> test_figures() {
       {"bode", bode()},
       {"sampled", sampled()},
       {"twin_many", twin_many()},
+      {"small_multiples", small_multiples()},
+      {"inset", inset()},
+      {"symmetric", symmetric()},
+      {"symmetric_data", strange("Positive only", {0, 1, 2}, {0, 3, 2000}, Scale::symlog)},
+      {"symmetric_nothing", strange("Nothing", {}, {}, Scale::symlog)},
+      {"symmetric_wide", strange("From tiny to huge", {0, 1, 2, 3}, {-1e300, -1e-300, 0, 1e250}, Scale::symlog)},
+      {"remarks", remarks()},
       {"many_9", many(9, 1.0)},
       {"many_40", many(40, 0.5)},
       {"many_300", many(300, 0.5)},
@@ -321,6 +377,7 @@ std::vector<NamedFigure> test_figures() {
       {"column", servo()},
       {"small", strange("Small", {0, 1}, {0, 1})},
   };
+  for (const Plot* plot : plots()) all.push_back({"plot_" + std::string(plot->name()), plot->example()});
   for (NamedFigure& f : all) {
     if (f.name == "dark") f.figure.theme = "dark";
     if (f.name == "print") f.figure.theme = "print";

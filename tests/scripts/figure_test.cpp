@@ -52,6 +52,32 @@ TEST_F(Figures, OfTheDiagramAreDrawn) {
   EXPECT_THAT(read("b.svg"), HasSubstr("mine"));
 }
 
+TEST_F(Figures, HaveAMethodForEveryPlotType) {
+  EXPECT_EQ(printed("local f = pl.figure{columns = 2, share_y = true}\n"
+                    "f:panel{title = 'a'}:stem({0, 1, 2}, {3, 1, 2}, {base = 1, label = 'stems'})\n"
+                    "f:panel{title = 'b'}:bar({1, 2}, {names = {'left', 'right'}})\n"
+                    "f:save 'plots.svg'\n"
+                    "local b = pl.figure{title = 'loop'}; b:bode({4}, {0.1, 1.1, 1, 0}); b:save 'bode.svg'\n"
+                    "pl.figure{}:heat_map({{1, 2, 3}, {4, 5, 6}}, {scale = 'heat'}):save 'heat.svg'"),
+            "");
+  const std::string svg = read("plots.svg");
+  for (const char* text : {"stems", "left", "right"}) EXPECT_THAT(svg, HasSubstr(text));
+  EXPECT_THAT(read("bode.svg"), HasSubstr("phase margin 17.7°"));
+  EXPECT_THAT(read("heat.svg"), HasSubstr("heat"));
+}
+
+TEST_F(Figures, HaveRemarksAndInsets) {
+  EXPECT_EQ(printed("local f = pl.figure{x = 'time [s]', y = {label = 'y', scale = 'symlog', threshold = 0.1}}\n"
+                    "local t = pl.linspace(0, 10, 200)\n"
+                    "f:line(t, pl.sin(t), {style = 'dashdot', opacity = 0.9})\n"
+                    "f:annotate{x = 1.57, y = 1, label = 'peak'}\n"
+                    "f:inset{x = {limits = {4, 5}}, place = {0.6, 0.1, 0.3, 0.3}}:line(t, pl.sin(t))\n"
+                    "f:save 'inset.svg'"),
+            "");
+  const std::string svg = read("inset.svg");
+  for (const char* text : {"peak", "panel/0/inset/0/frame"}) EXPECT_THAT(svg, HasSubstr(text));
+}
+
 TEST_F(Figures, SayWhatIsWrong) {
   EXPECT_EQ(complaint("pl.figure():line({1, 2}, {1, 2, 3})"), "experiment.lua:1: line: x has 2 numbers and y has 3");
   EXPECT_THAT(complaint("pl.figure{tilte = 'x'}"), HasSubstr("there is no 'tilte'; did you mean 'title'?"));
@@ -59,6 +85,15 @@ TEST_F(Figures, SayWhatIsWrong) {
   EXPECT_THAT(complaint("pl.figure():line({1}, {1}, {style = 'wavy'})"), HasSubstr("'style' must be solid, dashed"));
   EXPECT_THAT(complaint("pl.figure():save 'a.gif'"), HasSubstr("the name must end in .json or .pdf or .png or .svg"));
   EXPECT_THAT(complaint("pl.figure():lines({1}, {1})"), HasSubstr("a figure has no 'lines'; did you mean 'line'?"));
+  EXPECT_EQ(complaint("pl.figure():stem({1}, {1, 2, 3})"), "experiment.lua:1: stem: x has 1 numbers and y has 3");
+  EXPECT_EQ(complaint("pl.figure():stem({1})"), "experiment.lua:1: stem: 'y' is missing: how far they reach");
+  EXPECT_THAT(complaint("pl.figure():histogram({1}, {bin = 3})"), HasSubstr("there is no 'bin'; did you mean 'bins'?"));
+  EXPECT_THAT(complaint("pl.figure():bar({1}, {names = 3})"), HasSubstr("'names' must be a list of texts, it is 3"));
+  EXPECT_THAT(complaint("pl.figure{y = {scale = 'cubic'}}"), HasSubstr("'scale' must be linear, log or symlog"));
+  EXPECT_THAT(complaint("pl.figure():annotate{label = 'x'}"), HasSubstr("a remark stands at x and y"));
+  EXPECT_THAT(complaint("pl.figure():inset():inset()"), HasSubstr("an inset has no insets"));
+  EXPECT_THAT(complaint("pl.figure():inset{place = {1}}"), HasSubstr("{left, bottom, width, height}"));
+  EXPECT_THAT(complaint("pl.figure{columns = 0}"), HasSubstr("'columns' must be a whole number from 1 to 20"));
   EXPECT_THAT(complaint("pl.figure{width = 1}:save 'a.svg'"), Not(HasSubstr("no error")));
 }
 

@@ -1,0 +1,59 @@
+// Small panels inside a panel.
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/layout/plan.h"
+
+namespace plantloop {
+namespace {
+
+// The room for numbers beside an inset's box.
+constexpr double left_room = 52, right_room = 22, top_room = 14, bottom_room = 34;
+
+Box box_of(const Plan& plan, const PanelPlan& panel, const Panel& inset) {
+  const Box& b = panel.box;
+  const double u = plan.unit;
+  const auto snap = [](double v) { return std::floor(v) + 0.5; };
+  if (inset.place) {
+    const Panel::Place& p = *inset.place;
+    const double left = b.left + std::clamp(p.left, 0.0, 0.9) * b.width();
+    const double bottom = b.bottom - std::clamp(p.bottom, 0.0, 0.9) * b.height();
+    return {snap(left), snap(bottom - std::clamp(p.height, 0.1, 1.0) * b.height()),
+            snap(left + std::clamp(p.width, 0.1, 1.0) * b.width()), snap(bottom)};
+  }
+  const double width = 0.4 * b.width(), height = 0.38 * b.height();
+  double cost = 0;
+  Occupancy map = map_of(panel);
+  if (panel.key.kind == KeyKind::inside) map.add_box(panel.key.box, 100);
+  const Box whole =
+      emptiest(panel, map, width + (left_room + right_room) * u, height + (top_room + bottom_room) * u, 0, cost);
+  return {snap(whole.left + left_room * u), snap(whole.top + top_room * u), snap(whole.right - right_room * u),
+          snap(whole.bottom - bottom_room * u)};
+}
+
+}  // namespace
+
+void place_insets(const Plan& plan, PanelPlan& panel) {
+  for (std::size_t i = 0; i < panel.insets.size(); ++i) {
+    PanelPlan inset = panel.insets[i];
+    inset.insets.clear();
+    inset.key = {};
+    PanelPlan before = panel;
+    before.insets.resize(i);
+    inset.box = box_of(plan, before, *inset.panel);
+    set_inset_rulers(plan, inset);
+    set_curves(plan, inset);
+    place_labels(plan, inset);
+    const Spot a = to_pixels(panel, inset.x.lower, inset.y.lower, false),
+               b = to_pixels(panel, inset.x.upper, inset.y.upper, false);
+    const Box seen{a.x, b.y, b.x, a.y};
+    const Box frame{std::max(seen.left, panel.box.left), std::max(seen.top, panel.box.top),
+                    std::min(seen.right, panel.box.right), std::min(seen.bottom, panel.box.bottom)};
+    const bool limited = inset.panel->x && (inset.panel->x->limits.lower || inset.panel->x->limits.upper);
+    if (limited && frame.width() > 3 && frame.height() > 3) inset.inset_frame = frame;
+    panel.insets[i] = std::move(inset);
+  }
+}
+
+}  // namespace plantloop
