@@ -8,8 +8,9 @@
 //   write(to_png(layout(figure)));
 //
 // Labels are UTF-8. `x_1`, `x_{max}`, `s^{-1}` and Unicode sub- and superscripts are set as such; an underscore behind
-// a name of more than two letters (`tire_force`) is an ordinary character; `\_` always is. Units stand last, in
-// brackets.
+// a name of more than two letters (`tire_force`) is an ordinary character; `\_` always is. `\theta` and the other Greek
+// letters, `\frac{a}{b}`, `\sqrt{x}`, `\hat{y} \bar \dot \ddot \tilde`, `\cdot \times \pm \le \ge \ne \approx \infty
+// \to \partial \nabla \int \sum \degree` as in TeX; a space behind them stays. Units stand last, in brackets.
 
 #pragma once
 

@@ -1,4 +1,4 @@
-// The small markup of labels, font fallback, and measuring.
+// Setting labels: font fallback, scripts, fractions, roots and accents, and measuring.
 
 #include "render/text/label.h"
 
@@ -7,142 +7,11 @@
 #include <utility>
 
 #include "render/text/font.h"
+#include "render/text/markup.h"
 #include "render/text/utf8.h"
 
 namespace plantloop {
 namespace {
-
-// Characters at one height: 0 on the base line, 1 above, -1 below.
-struct Piece {
-  int level = 0;
-  std::u32string text;
-};
-
-struct Script {
-  char32_t raised, plain;
-};
-constexpr Script superscripts[] = {{U'⁰', U'0'}, {U'¹', U'1'}, {U'²', U'2'}, {U'³', U'3'}, {U'⁴', U'4'}, {U'⁵', U'5'},
-                                   {U'⁶', U'6'}, {U'⁷', U'7'}, {U'⁸', U'8'}, {U'⁹', U'9'}, {U'⁺', U'+'}, {U'⁻', U'−'},
-                                   {U'⁼', U'='}, {U'⁽', U'('}, {U'⁾', U')'}, {U'ⁿ', U'n'}, {U'ⁱ', U'i'}};
-constexpr Script subscripts[] = {{U'₀', U'0'}, {U'₁', U'1'}, {U'₂', U'2'}, {U'₃', U'3'}, {U'₄', U'4'}, {U'₅', U'5'},
-                                 {U'₆', U'6'}, {U'₇', U'7'}, {U'₈', U'8'}, {U'₉', U'9'}, {U'₊', U'+'}, {U'₋', U'−'},
-                                 {U'₌', U'='}, {U'₍', U'('}, {U'₎', U')'}, {U'ₐ', U'a'}, {U'ₑ', U'e'}, {U'ₒ', U'o'},
-                                 {U'ₓ', U'x'}, {U'ₕ', U'h'}, {U'ₖ', U'k'}, {U'ₗ', U'l'}, {U'ₘ', U'm'}, {U'ₙ', U'n'},
-                                 {U'ₚ', U'p'}, {U'ₛ', U's'}, {U'ₜ', U't'}, {U'ᵢ', U'i'}, {U'ⱼ', U'j'}};
-
-bool is_digit(char32_t c) { return c >= U'0' && c <= U'9'; }
-
-bool is_letter(char32_t c) {
-  return (c >= U'a' && c <= U'z') || (c >= U'A' && c <= U'Z') || (c >= 0xC0 && c < 0x2000 && c != 0xD7 && c != 0xF7);
-}
-
-bool is_word(char32_t c) { return is_letter(c) || is_digit(c); }
-
-struct Parser {
-  std::u32string_view text;
-  std::size_t at = 0;
-  std::vector<Piece> pieces;
-
-  void put(int level, char32_t c) {
-    if (pieces.empty() || pieces.back().level != level) pieces.push_back({level, {}});
-    pieces.back().text += c;
-  }
-
-  char32_t next(std::size_t ahead = 0) const { return at + ahead < text.size() ? text[at + ahead] : U'\0'; }
-
-  // How many letters and digits stand right before the mark.
-  std::size_t name_before(std::size_t mark) const {
-    std::size_t count = 0;
-    while (count < mark && is_word(text[mark - 1 - count])) ++count;
-    return count;
-  }
-
-  void braces(int level) {
-    int depth = 1;
-    for (++at; at < text.size(); ++at) {
-      if (text[at] == U'{') ++depth;
-      if (text[at] == U'}' && --depth == 0) {
-        ++at;
-        return;
-      }
-      if (text[at] != U'{' && text[at] != U'}') put(level, text[at] == U'-' ? U'−' : text[at]);
-    }
-  }
-
-  void word(int level) {
-    while (is_word(next())) put(level, text[at++]);
-  }
-
-  void number(int level) {
-    if (next() == U'-' || next() == U'−' || next() == U'+') put(level, text[at] == U'-' ? U'−' : text[at]), ++at;
-    while (is_digit(next())) put(level, text[at++]);
-  }
-
-  bool subscript() {
-    const std::size_t name = name_before(at);
-    const bool after_bracket = at > 0 && (text[at - 1] == U')' || text[at - 1] == U'}');
-    if (next(1) == U'{') {
-      ++at;
-      braces(-1);
-      return true;
-    }
-    if ((name == 0 && !after_bracket) || name > 2 || !is_word(next(1))) return false;
-    ++at;
-    word(-1);
-    return true;
-  }
-
-  bool superscript() {
-    if (at == 0) return false;
-    if (next(1) == U'{') {
-      ++at;
-      braces(1);
-      return true;
-    }
-    const bool sign = next(1) == U'-' || next(1) == U'−' || next(1) == U'+';
-    if (is_digit(next(1)) || (sign && is_digit(next(2)))) {
-      ++at;
-      number(1);
-      return true;
-    }
-    if (!is_letter(next(1)) && next(1) != U'*') return false;
-    ++at;
-    put(1, text[at++]);
-    return true;
-  }
-
-  bool unicode_script(const Script* begin, const Script* end, int level) {
-    const auto* found = std::find_if(begin, end, [&](const Script& s) { return s.raised == text[at]; });
-    if (found == end) return false;
-    put(level, found->plain);
-    ++at;
-    return true;
-  }
-
-  bool minus() const {
-    if (text[at] != U'-' || !(is_digit(next(1)) || next(1) == U'.' || next(1) == U'∞')) return false;
-    return at == 0 || text[at - 1] == U' ' || text[at - 1] == U'(' || text[at - 1] == U'=' || text[at - 1] == U'[';
-  }
-
-  std::vector<Piece> parse() {
-    while (at < text.size()) {
-      const char32_t c = text[at];
-      if (c == U'\\' && (next(1) == U'_' || next(1) == U'^')) {
-        put(0, next(1));
-        at += 2;
-      } else if ((c == U'_' && subscript()) || (c == U'^' && superscript())) {
-        continue;
-      } else if (unicode_script(std::begin(superscripts), std::end(superscripts), 1) ||
-                 unicode_script(std::begin(subscripts), std::end(subscripts), -1)) {
-        continue;
-      } else {
-        put(0, minus() ? U'−' : (c < 0x20 ? U' ' : c));
-        ++at;
-      }
-    }
-    return std::move(pieces);
-  }
-};
 
 int font_for(char32_t c, int wanted) {
   if (has_glyph(wanted, c) || !has_glyph(font_fallback, c)) return wanted;
@@ -151,66 +20,148 @@ int font_for(char32_t c, int wanted) {
 
 Fixed fixed(double pixels) { return static_cast<Fixed>(std::lround(pixels * 256)); }
 
-// Adds one piece's runs behind what the label already has.
-void append(Label& label, const Piece& piece, const LabelStyle& style, double& pen) {
-  const double size = piece.level == 0 ? style.size : 0.73 * style.size;
-  const double lift = piece.level > 0 ? 0.36 * style.size : piece.level < 0 ? -0.17 * style.size : 0;
+// Puts a label that is set already behind another's beginning.
+void merge(Label& label, const Label& part, double dx, double dy) {
+  for (GlyphRun run : part.runs) {
+    run.at.x += fixed(dx);
+    run.at.y += fixed(dy);
+    label.runs.push_back(std::move(run));
+  }
+  label.left = std::min(label.left, dx + part.left);
+  label.right = std::max(label.right, dx + part.right);
+  label.top = std::min(label.top, dy + part.top);
+  label.bottom = std::max(label.bottom, dy + part.bottom);
+}
+
+Label set_text(std::u32string_view text, const LabelStyle& style) {
+  Label label;
+  double pen = 0;
   const int wanted = style.strong ? font_strong : font_text;
-  for (std::size_t begin = 0; begin < piece.text.size();) {
-    const int font = font_for(piece.text[begin], wanted);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const int font = font_for(text[begin], wanted);
     std::size_t end = begin + 1;
-    while (end < piece.text.size() && font_for(piece.text[end], wanted) == font) ++end;
-    const Shaped shaped = shape(font, std::u32string_view(piece.text).substr(begin, end - begin), style.tabular);
-    GlyphRun run{font, fixed(size), {fixed(pen), fixed(-lift)}, shaped.glyphs};
-    const double scale = size / units_per_em(font);
+    while (end < text.size() && font_for(text[end], wanted) == font) ++end;
+    const Shaped shaped = shape(font, text.substr(begin, end - begin), style.tabular);
+    GlyphRun run{font, fixed(style.size), {fixed(pen), 0}, shaped.glyphs};
+    const double scale = style.size / units_per_em(font);
     for (const auto& glyph : run.glyphs) {
       const Outline& ink = outline(font, glyph.id);
       if (ink.steps.empty()) continue;
       label.left = std::min(label.left, pen + (glyph.x + ink.left) * scale);
       label.right = std::max(label.right, pen + (glyph.x + ink.right) * scale);
-      label.top = std::min(label.top, -lift - (glyph.y + ink.top) * scale);
-      label.bottom = std::max(label.bottom, -lift - (glyph.y + ink.bottom) * scale);
+      label.top = std::min(label.top, -(glyph.y + ink.top) * scale);
+      label.bottom = std::max(label.bottom, -(glyph.y + ink.bottom) * scale);
     }
     label.runs.push_back(std::move(run));
     pen += shaped.advance * scale;
     begin = end;
   }
+  label.width = pen;
+  return label;
 }
 
-std::u32string readable(const std::vector<Piece>& pieces) {
-  std::u32string result;
-  for (const Piece& piece : pieces) {
-    std::u32string marked;
-    bool all = true;
-    for (const char32_t c : piece.text) {
-      const auto find = [&](const Script* begin, const Script* end) {
-        const auto* found = std::find_if(begin, end, [&](const Script& s) { return s.plain == c; });
-        if (found == end)
-          all = false;
-        else
-          marked += found->raised;
-      };
-      if (piece.level > 0) find(std::begin(superscripts), std::end(superscripts));
-      if (piece.level < 0) find(std::begin(subscripts), std::end(subscripts));
-    }
-    if (piece.level == 0)
-      result += piece.text;
-    else if (all)
-      result += marked;
-    else
-      result += (piece.level > 0 ? U"^" : U"_") + piece.text;
+// Of one character, with the ink's own ends and not the origin's.
+struct Sign {
+  int font = font_text;
+  std::uint32_t glyph = 0;
+  double left = 0, right = 0, top = 0, bottom = 0;  // of the ink at one pixel to the em, y up
+};
+Sign sign(char32_t character, const LabelStyle& style) {
+  Sign s;
+  s.font = font_for(character, style.strong ? font_strong : font_text);
+  const Shaped shaped = shape(s.font, std::u32string_view(&character, 1), false);
+  if (shaped.glyphs.empty()) return s;
+  s.glyph = shaped.glyphs[0].id;
+  const Outline& ink = outline(s.font, s.glyph);
+  const double em = units_per_em(s.font);
+  s.left = ink.left / em, s.right = ink.right / em, s.top = ink.top / em, s.bottom = ink.bottom / em;
+  return s;
+}
+
+// A sign at a size, with its ink's left end and lower end there; y down.
+void put_sign(Label& label, const Sign& s, double size, double left, double bottom) {
+  Label part;
+  part.runs.push_back({s.font, fixed(size), {0, 0}, {{s.glyph, 0, 0}}});
+  part.left = s.left * size, part.right = s.right * size, part.top = -s.top * size, part.bottom = -s.bottom * size;
+  merge(label, part, left - s.left * size, bottom + s.bottom * size);
+}
+
+// A thin bar, of the strokes that tables are drawn with: so it is text in every format. `middle` is its height, y down.
+void put_bar(Label& label, const LabelStyle& style, double left, double middle, double width) {
+  const Sign stroke = sign(U'─', style);
+  const double tall = stroke.top - stroke.bottom, wide = stroke.right - stroke.left;
+  if (!(tall > 0) || !(wide > 0)) return;
+  const double size = std::min(0.055 * style.size / tall, width / wide), each = wide * size;
+  const int count = std::max(1, static_cast<int>(std::ceil(width / each - 1e-9)));
+  for (int i = 0; i < count; ++i) {
+    const double at = count == 1 ? 0 : (width - each) * i / (count - 1);
+    put_sign(label, stroke, size, left + at, middle + tall * size / 2);
   }
-  return result;
 }
 
-}  // namespace
+Label set_pieces(const std::vector<Piece>& pieces, const LabelStyle& style);
 
-Label set_label(std::string_view text, const LabelStyle& style) {
-  const std::u32string characters = from_utf8(text);
+Label set_fraction(const Piece& piece, const LabelStyle& style) {
+  const LabelStyle small{0.8 * style.size, style.strong, style.tabular};
+  const Label above = set_pieces(piece.parts[0], small), below = set_pieces(piece.parts[1], small);
+  const double side = 0.08 * style.size, gap = 0.13 * style.size, middle = -0.32 * style.size;
   Label label;
-  label.size = style.size;
-  const std::vector<Piece> pieces = Parser{characters, 0, {}}.parse();
-  label.source = to_utf8(readable(pieces));
+  label.width = std::max(above.width, below.width) + 4 * side;
+  put_bar(label, style, side, middle, label.width - 2 * side);
+  merge(label, above, (label.width - above.width) / 2, middle - gap - std::max(above.bottom, 0.0));
+  merge(label, below, (label.width - below.width) / 2, middle + gap - std::min(below.top, -x_height * small.size));
+  return label;
+}
+
+Label set_root(const Piece& piece, const LabelStyle& style) {
+  const Label body = set_pieces(piece.parts[0], style);
+  const Sign root = sign(U'√', style);
+  const double gap = 0.12 * style.size, bottom = std::max(body.bottom, 0.0) + 0.03 * style.size;
+  const double top = std::min(body.top, -x_height * style.size) - gap;
+  const double size = (bottom - top) / std::max(root.top - root.bottom, 0.1);
+  const double wide = (root.right - root.left) * size, thick = 0.055 * style.size;
+  Label label;
+  put_sign(label, root, size, 0.03 * style.size, bottom);
+  const double start = 0.03 * style.size + wide;
+  put_bar(label, style, start - 0.4 * thick, top + thick / 2, body.width + 0.14 * style.size);
+  merge(label, body, start + 0.04 * style.size, 0);
+  label.width = start + body.width + 0.16 * style.size;
+  return label;
+}
+
+// Above the middle of the ink, at one distance from it whatever the letter.
+Label set_accent(const Piece& piece, const LabelStyle& style) {
+  Label label = set_pieces(piece.parts[0], style);
+  const double middle = (label.left + label.right) / 2,
+               above = std::min(label.top, -0.4 * style.size) - 0.09 * style.size;
+  const char32_t mark = piece.text[0];
+  if (mark == U'\u0304') {
+    const double width = std::max(0.8 * (label.right - label.left), 0.3 * style.size);
+    put_bar(label, style, middle - width / 2, above - 0.02 * style.size, width);
+    return label;
+  }
+  const char32_t spacing = mark == U'\u0302' ? U'ˆ' : mark == U'\u0307' ? U'˙' : mark == U'\u0308' ? U'¨' : U'˜';
+  const Sign s = sign(spacing, style);
+  put_sign(label, s, style.size, middle - (s.right - s.left) * style.size / 2, above);
+  return label;
+}
+
+Label set_piece(const Piece& piece, const LabelStyle& style) {
+  switch (piece.kind) {
+    case Piece::Kind::fraction:
+      return set_fraction(piece, style);
+    case Piece::Kind::root:
+      return set_root(piece, style);
+    case Piece::Kind::accent:
+      return set_accent(piece, style);
+    case Piece::Kind::text:
+      break;
+  }
+  return set_text(piece.text, style);
+}
+
+Label set_pieces(const std::vector<Piece>& pieces, const LabelStyle& style) {
+  Label label;
   double pen = 0;
   // Sub- and superscript of one letter stand above each other.
   double script_start = 0, script_end = 0;
@@ -219,11 +170,27 @@ Label set_label(std::string_view text, const LabelStyle& style) {
     if (piece.level == 0) pen = std::max(pen, script_end);
     if (piece.level != 0 && previous == 0) script_start = pen;
     if (piece.level != 0 && previous == -piece.level) pen = script_start;
-    append(label, piece, style, pen);
+    const double size = piece.level == 0 ? style.size : 0.73 * style.size;
+    const double lift = piece.level > 0 ? 0.36 * style.size : piece.level < 0 ? -0.17 * style.size : 0;
+    const bool stacked = piece.level != 0 && previous == -piece.level;
+    const double apart = stacked ? 0.1 * style.size * piece.level : 0;
+    const Label part = set_piece(piece, {size, style.strong, style.tabular});
+    merge(label, part, pen, -lift - apart);
+    pen += part.width;
     script_end = piece.level == 0 ? 0 : std::max(script_end, pen);
     previous = piece.level;
   }
   label.width = std::max(pen, script_end);
+  return label;
+}
+
+}  // namespace
+
+Label set_label(std::string_view text, const LabelStyle& style) {
+  const std::vector<Piece> pieces = parse_markup(from_utf8(text));
+  Label label = set_pieces(pieces, style);
+  label.size = style.size;
+  label.source = to_utf8(readable(pieces));
   return label;
 }
 
@@ -248,6 +215,9 @@ std::vector<Label> set_lines(std::string_view text, const LabelStyle& style, dou
     if (set_label(text, style).width <= width) break;
     std::size_t cut = std::string_view::npos;
     for (std::size_t space = text.find(' '); space != std::string_view::npos; space = text.find(' ', space + 1)) {
+      // Not inside braces.
+      const std::string_view before = text.substr(0, space);
+      if (std::count(before.begin(), before.end(), '{') > std::count(before.begin(), before.end(), '}')) continue;
       if (set_label(text.substr(0, space), style).width > width) break;
       cut = space;
     }

@@ -246,6 +246,19 @@ Figure remarks() {
   return f;
 }
 
+Figure formulas() {
+  const auto t = grid(0, 10, 301);
+  Figure f{.title =
+               "\\dot{x} = -\\frac{x}{\\tau} + \\sqrt{K u},  \\hat{y}(k) = \\bar{w}^{T} \\tilde{x}_1, \\ddot\\theta + "
+               "\\omega_0^2\\theta = 0"};
+  f.x.label = "time t/\\tau";
+  Panel& p = f.add_panel({.y = {.label = "response \\frac{x(t)}{\\sqrt{K u_0} \\tau}"}});
+  p.line(t, map(t, [](double s) { return 1 - std::exp(-s); }), {.label = "1 - e^{-t/\\tau}"});
+  p.line(t, map(t, [](double s) { return 1 - std::exp(-0.4 * s); }), {.label = "\\hat{x}, \\frac{1}{1 + 2.5 \\tau s}"});
+  p.lines.push_back({.at = 1, .label = "x(\\infty) = \\bar x"});
+  return f;
+}
+
 Figure twin_many() {
   const auto t = grid(0, 20, 800);
   Figure f{.title = "Tank: levels and flows"};
@@ -353,6 +366,7 @@ std::vector<NamedFigure> test_figures() {
       {"symmetric_nothing", strange("Nothing", {}, {}, Scale::symlog)},
       {"symmetric_wide", strange("From tiny to huge", {0, 1, 2, 3}, {-1e300, -1e-300, 0, 1e250}, Scale::symlog)},
       {"remarks", remarks()},
+      {"formulas", formulas()},
       {"many_9", many(9, 1.0)},
       {"many_40", many(40, 0.5)},
       {"many_300", many(300, 0.5)},

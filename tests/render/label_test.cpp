@@ -23,6 +23,50 @@ TEST(Label, ReadsSubAndSuperscripts) {
   EXPECT_EQ(said("ω_c"), "ω_c");  // there is no small c below the line in Unicode: said with the mark
 }
 
+TEST(Label, KnowsGreekAndSymbols) {
+  EXPECT_EQ(said("\\theta_1 [rad]"), "θ₁ [rad]");
+  EXPECT_EQ(said("\\Delta x \\le 5\\cdot10^{-3}"), "Δ x ≤ 5·10⁻³");
+  EXPECT_EQ(said("\\unknown{x}"), "\\unknown{x}");
+  EXPECT_EQ(said("C:\\"), "C:\\");
+}
+
+TEST(Label, HasFractionsRootsAndAccents) {
+  EXPECT_EQ(said("\\frac{a}{b}"), "a/b");
+  EXPECT_EQ(said("\\frac{x_1 + 1}{2}"), "(x₁ + 1)/2");
+  EXPECT_EQ(said("\\sqrt{2}"), "√2");
+  EXPECT_EQ(said("\\hat{y}(k)"), "y\u0302(k)");
+  EXPECT_EQ(said("\\dot\\theta"), "θ\u0307");
+  EXPECT_EQ(said("\\frac{\\partial \\hat{y}}{\\partial w}"), "(∂ y\u0302)/(∂ w)");
+  EXPECT_EQ(said("\\frac"), "/");
+  EXPECT_EQ(said("\\hat{x}_1"), "x\u0302₁");
+}
+
+TEST(Label, OfAFractionIsHigherThanItsParts) {
+  const Label a = set_label("a", style), fraction = set_label("\\frac{a}{b}", style);
+  EXPECT_LT(fraction.top, a.top - 10);
+  EXPECT_GT(fraction.bottom, a.bottom + 10);
+  EXPECT_GT(fraction.width, 0.8 * a.width);
+  const Label root = set_label("\\sqrt{a}", style);
+  EXPECT_LT(root.top, a.top - 5);
+  EXPECT_GT(root.width, a.width + 20);
+}
+
+// The middle of an accent stands over the middle of the letter, whatever its width.
+TEST(Label, PutsAccentsOverTheMiddleOfTheLetter) {
+  for (const char* letter : {"i", "x", "w", "Y", "θ"}) {
+    const Label plain = set_label(letter, style);
+    for (const char* accent : {"hat", "bar", "dot", "ddot", "tilde"}) {
+      const Label with = set_label(std::string("\\") + accent + "{" + letter + "}", style);
+      EXPECT_LT(with.top, plain.top - 5) << accent << ' ' << letter;
+      EXPECT_GT(with.top, plain.top - 40) << accent << ' ' << letter;
+      EXPECT_EQ(with.width, plain.width) << accent << ' ' << letter;
+      const bool wider = with.right - with.left > plain.right - plain.left + 1;
+      const double shift = (with.left + with.right) / 2 - (plain.left + plain.right) / 2;
+      EXPECT_NEAR(wider ? shift : 0, 0, 1.5) << accent << ' ' << letter;
+    }
+  }
+}
+
 TEST(Label, LeavesUnderscoresOfLongNamesAlone) {
   EXPECT_EQ(said("tire_force"), "tire_force");
   EXPECT_EQ(set_label("tire_force", style).runs.size(), 1u);
