@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "render/layout/plan.h"
 
@@ -161,6 +162,26 @@ void add_arrows(const Plan& plan, const PanelPlan& panel, SeriesPlan& series) {
   }
 }
 
+// So many markers at most: where more lie on top of each other, no eye can count them.
+constexpr std::size_t most_marks = 40000;
+
+// Keeps in each square of this side the first few.
+std::vector<Spot> thinned(const std::vector<Spot>& marks, const Box& box, double side, std::uint8_t kept) {
+  const auto columns = static_cast<std::size_t>(box.width() / side) + 3;
+  std::vector<std::uint8_t> counts(columns * (static_cast<std::size_t>(box.height() / side) + 3));
+  std::vector<Spot> result;
+  for (const Spot s : marks) {
+    const auto column = static_cast<std::size_t>((s.x - box.left) / side + 1);
+    const auto row = static_cast<std::size_t>((s.y - box.top) / side + 1);
+    std::uint8_t& count = counts[std::min(row * columns + column, counts.size() - 1)];
+    if (count < kept) {
+      ++count;
+      result.push_back(s);
+    }
+  }
+  return result;
+}
+
 void add_marks(const PanelPlan& panel, SeriesPlan& plan) {
   const Series& s = *plan.series;
   for (const Curve& curve : to_curves(panel, s.x, s.y, plan.right))
@@ -170,6 +191,8 @@ void add_marks(const PanelPlan& panel, SeriesPlan& plan) {
         continue;
       plan.marks.push_back(spot);
     }
+  for (double side = std::max(1.0, 0.5 * plan.mark_radius); plan.marks.size() > most_marks; side *= 1.4)
+    plan.marks = thinned(plan.marks, panel.box.grown(1), side, plan.color.a < 255 ? 3 : 1);
 }
 
 // A line of one sample has no length: it is shown as a dot.

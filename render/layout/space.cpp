@@ -275,14 +275,23 @@ class View {
     return (space_.curves[i].x.size() > 2000 ? 0.6 : 1.0) * theme_.line_width * u_;
   }
 
+  // As fine as the eye sees; coarser, and at last only some of the samples, where they are more than the picture holds.
   std::vector<Piece> pieces() const {
+    constexpr std::size_t most = 30000;
+    std::vector<Piece> all = pieces(1.5, 1);
+    for (double step = 3; all.size() > most && step < 10; step *= 1.5) all = pieces(step, 1);
+    for (std::size_t every = 2; all.size() > most; every *= 2) all = pieces(10, every);
+    return all;
+  }
+
+  std::vector<Piece> pieces(double step, std::size_t every) const {
     std::vector<Piece> result;
     for (std::size_t c = 0; c < space_.curves.size(); ++c) {
       const SpaceCurve& curve = space_.curves[c];
       const std::size_t n = std::min({curve.x.size(), curve.y.size(), curve.z.size()});
       std::optional<Vec3> before;
       // Long curves are thinned to what the eye can tell apart.
-      for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t i = 0; i < n; i += every) {
         if (!std::isfinite(curve.x[i]) || !std::isfinite(curve.y[i]) || !std::isfinite(curve.z[i])) {
           before.reset();
           continue;
@@ -300,7 +309,7 @@ class View {
         }
         if (before) {
           const Spot there = project(*before);
-          if (std::abs(here.x - there.x) + std::abs(here.y - there.y) < 1.5 && i + 1 < n) continue;
+          if (std::abs(here.x - there.x) + std::abs(here.y - there.y) < step && i + every < n) continue;
           const Vec3 middle{(at.x + before->x) / 2, (at.y + before->y) / 2, (at.z + before->z) / 2};
           result.push_back({c, there, here, middle, depth(middle)});
         }

@@ -192,6 +192,37 @@ TEST(Plots, SayWhichColumnsDiffer) {
             "'layers' must be whole numbers from 1 to 500");
 }
 
+std::size_t nodes(const Group& group) {
+  std::size_t count = 0;
+  for (const SceneNode& node : group.children) {
+    const auto* inner = std::get_if<Group>(&node.item);
+    count += inner ? nodes(*inner) : 1;
+    if (const auto* fill = std::get_if<Fill>(&node.item)) count += fill->rings.size();
+    if (const auto* stroke = std::get_if<Stroke>(&node.item))
+      for (const Polyline& line : stroke->lines) count += line.size();
+  }
+  return count;
+}
+
+// A million samples leave a scene that is as small as the picture.
+TEST(Plots, OfAMillionPointsAreNotLargerThanThePicture) {
+  std::vector<double> x, y, z;
+  std::uint32_t state = 5;
+  for (int i = 0; i < 1000000; ++i) {
+    state = state * 1664525u + 1013904223u;
+    x.push_back(i);
+    y.push_back(std::sin(0.001 * i) + static_cast<double>(state >> 8) / 16777216.0);
+    z.push_back(std::cos(0.0137 * i));
+  }
+  Figure lines, points, space;
+  lines.add_panel().line(x, y);
+  find_plot("scatter")->use(points, 0, {{"x", z}, {"y", y}});
+  find_plot("trajectory")->use(space, 0, {{"x", z}, {"y", y}, {"z", x}});
+  EXPECT_LT(nodes(layout(lines).root), 6000u);
+  EXPECT_LT(nodes(layout(points).root), 90000u);
+  EXPECT_LT(nodes(layout(space).root), 110000u);
+}
+
 // The callouts of a step response are those of the closed form: overshoot exp(-pi zeta / sqrt(1 - zeta^2)) at
 // pi / (wn sqrt(1 - zeta^2)).
 TEST(Plots, CallOutTheMeasuresOfASecondOrderLag) {
