@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "render/text/font.h"
 
@@ -99,7 +100,30 @@ class Maker {
     halve(points, middle, last);
   }
 
+  // Every corner turns the same way, once around: true of triangles and of the facets of most surfaces.
+  static bool is_convex_quad(const Polyline& points) {
+    if (points.size() < 3 || points.size() > 4) return false;
+    int turns = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto at = [&](std::size_t k) {
+        const Point p = points[(i + k) % points.size()];
+        return Vec{static_cast<double>(p.x), static_cast<double>(p.y)};
+      };
+      const double turn = cross(at(1) - at(0), at(2) - at(1));
+      turns += turn > 0 ? 1 : turn < 0 ? -1 : 0;
+    }
+    return std::abs(turns) == static_cast<int>(points.size());
+  }
+
   void fill(const Fill& f) {
+    // Opaque facets need no counting of windings.
+    if (f.color.a == 255 && f.rings.size() == 1 && is_convex_quad(f.rings[0])) {
+      const Polyline& p = f.rings[0];
+      begin(Batch::Kind::direct, f.color, true);
+      triangle(p[0], p[1], p[2]);
+      if (p.size() == 4) triangle(p[0], p[2], p[3]);
+      return;
+    }
     begin(Batch::Kind::winding, f.color, false);
     for (const Polyline& points : f.rings) {
       // Opaque markers may lie on top of each other in any number.

@@ -1,4 +1,5 @@
 // Writes the test figures as files to look at: render_gallery FOLDER [FORMAT [NAME...]]. Prints the faults lint finds.
+// FORMAT may name a theme: png@dark.
 // With the format `hash` it writes nothing and prints a number for the pixels of each figure.
 
 #include <fmt/format.h>
@@ -17,12 +18,15 @@
 int main(int argc, char** argv) {
   using namespace plantloop;
   if (argc < 2) return 2;
-  const std::string folder = argv[1], format = argc > 2 ? argv[2] : "png";
+  const std::string folder = argv[1], wish = argc > 2 ? argv[2] : "png";
+  const std::string format = wish.substr(0, wish.find('@'));
+  const std::string theme = format.size() < wish.size() ? wish.substr(format.size() + 1) : "";
   const auto now = [] {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
   };
-  for (const auto& [name, figure] : test_figures()) {
+  for (auto& [name, figure] : test_figures()) {
     const std::string wanted = name;
+    if (!theme.empty()) figure.theme = theme;
     if (argc > 3 && std::none_of(argv + 3, argv + argc, [&](const char* n) { return wanted == n; })) continue;
     if (format == "hash") {
       const Image image = rasterise(layout(figure));
