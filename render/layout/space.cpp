@@ -250,9 +250,9 @@ class View {
   }
 
   void add(Group& group, const Piece& piece) const {
-    // What is far away is paler.
+    // Of a line what is far away is paler.
     const Color full = curve_color(piece.curve);
-    const double far = std::clamp(0.5 - 0.4 * piece.depth, 0.0, 1.0) * 0.5;
+    const double far = space_.curves[piece.curve].line ? std::clamp(0.5 - 0.4 * piece.depth, 0.0, 1.0) * 0.5 : 0;
     const Color color = over(with_alpha(theme_.background, static_cast<std::uint8_t>(std::lround(255 * far))), full);
     if (space_.curves[piece.curve].line) {
       group.add({Stroke{{{to_point(piece.from), to_point(piece.to)}},
