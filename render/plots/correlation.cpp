@@ -22,7 +22,8 @@ struct Correlation : Plot {
     const std::vector<double>& other = given.has(with) ? given[with] : given[y];
     check_lengths("y", given[y], "with", other);
     const std::size_t n = given[y].size();
-    const int most = static_cast<int>(std::clamp(given[lags], 1.0, std::max(static_cast<double>(n) - 1, 1.0)));
+    const int most = static_cast<int>(
+        std::clamp(std::isfinite(given[lags]) ? given[lags] : 25, 1.0, std::max(static_cast<double>(n) - 1, 1.0)));
     const std::vector<double> all = plantloop::correlation(other, given[y], most);
     std::vector<double> x, value, stem_x, stem_y;
     // An autocorrelation is even: one half tells all.

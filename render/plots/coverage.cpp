@@ -25,7 +25,7 @@ struct Coverage : Plot {
   void draw(Canvas& canvas, const Given& given) const override {
     check_lengths("x", given[x], "y", given[y]);
     check_lengths("test_x", given[test_x], "test_y", given[test_y]);
-    const double n = std::floor(std::clamp(given[cells], 1.0, 200.0));
+    const double n = std::isfinite(given[cells]) ? std::floor(std::clamp(given[cells], 1.0, 200.0)) : 24;
     std::vector<double> all_x = given[x], all_y = given[y];
     all_x.insert(all_x.end(), given[test_x].begin(), given[test_x].end());
     all_y.insert(all_y.end(), given[test_y].begin(), given[test_y].end());

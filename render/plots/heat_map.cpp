@@ -72,7 +72,7 @@ struct HeatMap : Plot {
   static int level_of(const ColorScale& scale, double value) {
     if (!std::isfinite(value)) return -1;
     const double part = (value - scale.lower) / (scale.upper - scale.lower);
-    return static_cast<int>(std::clamp(256 * part, 0.0, 255.0));
+    return part > 0 ? static_cast<int>(std::min(256 * part, 255.0)) : 0;
   }
 
   // Halfway between the middles.

@@ -21,7 +21,8 @@ struct Histogram : Plot {
 
   void draw(Canvas& canvas, const Given& given) const override {
     const std::vector<double> sorted = finite_sorted(given[values]);
-    const std::vector<double> edges = histogram_edges(sorted, static_cast<int>(std::clamp(given[bins], 0.0, 2000.0)));
+    const std::vector<double> edges = histogram_edges(
+        sorted, static_cast<int>(std::isfinite(given[bins]) ? std::clamp(given[bins], 0.0, 2000.0) : 0.0));
     Series bars{.kind = Series::Kind::areas};
     bars.look = given.look;
     if (bars.look.opacity == 1) bars.look.opacity = 0.8;
