@@ -43,6 +43,7 @@ constexpr Familiar all[] = {
     {"derivative", "filtered_derivative"},
     {"zoh", "zero_order_hold"},
     {"sampler", "zero_order_hold"},
+    {"integerdelay", "sample_delay"},
     {"ss", "state_space"},
     {"tf", "transfer_function"},
     {"transferfcn", "transfer_function"},

@@ -122,6 +122,36 @@ TEST(TappedDelay, HoldsTheNewestSampleFirst) {
               HasSubstr("whole number from 1"));
 }
 
+TEST(MovingAverage, TakesAVectorElementByElement) {
+  const Signals r = run(sampled(R"(
+  y: {type: moving_average, in: [u, 10 - u], samples: 3, initial: [1, 9], rate: 1}
+  one: {type: moving_average, in: u, samples: 3, initial: 1, rate: 1}
+)"));
+  EXPECT_THAT(r.samples("y.1"), ElementsAre(1, 2, DoubleNear(7.0 / 3, 1e-15), DoubleNear(14.0 / 3, 1e-15), 5));
+  EXPECT_EQ(r.samples("y.1"), r.samples("one"));
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(r.samples("y.2")[k], 10 - r.samples("y.1")[k], 1e-14);
+}
+
+TEST(SampleDelay, ShowsWhatWasSoManySamplesBefore) {
+  const Signals r = run(sampled(R"(
+  y: {type: sample_delay, in: [u, -u], samples: 2, initial: 7, rate: 1}
+  one: {type: sample_delay, in: u, rate: 1}
+  same: {type: unit_delay, in: u, rate: 1}
+  long: {type: sample_delay, in: u, samples: 100000, initial: -1, rate: 1}
+)"));
+  EXPECT_THAT(r.samples("y.1"), ElementsAre(7, 7, 1, 4, 2));
+  EXPECT_THAT(r.samples("y.2"), ElementsAre(7, 7, -1, -4, -2));
+  EXPECT_EQ(r.samples("one"), r.samples("same"));
+  EXPECT_EQ(r.last("long"), -1);
+}
+
+TEST(SampleDelay, MayStandInALoop) {
+  // y[k] = y[k-3] + 1 from 0: 0 0 0 1 1 1 2 ...
+  const Signals r =
+      run("blocks: {y: {type: sample_delay, in: y + 1, samples: 3, rate: 0.1}}\nsimulation: {stop: 0.7}\n");
+  EXPECT_THAT(r.samples("y"), ElementsAre(0, 0, 0, 1, 1, 1, 2, 2));
+}
+
 TEST(MovingAverage, AveragesThePresentSampleToo) {
   const Signals r = run(sampled("  y: {type: moving_average, in: u, samples: 2, rate: 1}\n"));
   EXPECT_THAT(r.samples("y"), ElementsAre(1, 2.5, 3, 5, 6.5));
