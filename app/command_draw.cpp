@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "app/command.h"
+#include "app/drawing/hints.h"
 #include "app/drawing/sheets.h"
 #include "engine/base/files.h"
 #include "render/diagram/draw.h"
@@ -19,9 +21,10 @@ namespace plantloop::app {
 namespace {
 
 struct DrawOptions {
-  std::string file, out, inside, theme = "light";
-  std::vector<std::string> set, show;
+  std::string file, out, inside, hints, theme = "light";
+  std::vector<std::string> show;
   int depth = 0;
+  bool pages = false;
 };
 
 // The format that the file's name asks for; "" after complaining.
@@ -48,6 +51,50 @@ std::optional<std::uint32_t> scope_of(const Graph& graph, const DrawOptions& o) 
   return std::nullopt;
 }
 
+struct Page {
+  std::string path;  // of the subsystem; "" for the diagram
+  Scene scene;
+};
+
+// The scope and, below it, one subsystem of each type, by their paths.
+std::vector<std::uint32_t> scopes_below(const Graph& graph, std::uint32_t top) {
+  std::vector<std::uint32_t> scopes{top};
+  std::set<const TypeDecl*> types{graph.scopes[top].type};
+  for (const std::uint32_t s : graph.scope_order) {
+    const GraphScope& scope = graph.scopes[s];
+    const bool below = top == 0 ? !scope.path.empty() : scope.path.starts_with(graph.scopes[top].path + ".");
+    if (below && types.insert(scope.type).second) scopes.push_back(s);
+  }
+  return scopes;
+}
+
+// One PDF with all pages; in other formats a file for each, loop.controller.svg beside loop.svg.
+int write_pages(const std::string& out, const std::string& format, const std::vector<Page>& pages) {
+  const auto write = [](const std::string& path, std::string_view bytes) {
+    const std::string error = write_file(path, bytes);
+    if (!error.empty()) complain(fmt::format("cannot write '{}': {}", path, error));
+    return error.empty() ? done : run_failed;
+  };
+  try {
+    if (format == "pdf") {
+      std::vector<Scene> scenes;
+      for (const Page& page : pages) scenes.push_back(page.scene);
+      return write(out, to_pdf(scenes));
+    }
+    const std::string stem = out.substr(0, out.size() - format.size());
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+      const std::vector<std::uint8_t> bytes = picture(pages[i].scene, format);
+      const std::string path = i == 0 ? out : stem + pages[i].path + "." + format;
+      const int status = write(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      if (status != done) return status;
+    }
+    return done;
+  } catch (const RenderError& e) {
+    complain(fmt::format("cannot draw '{}': {}", out, e.what()));
+    return run_failed;
+  }
+}
+
 int draw_diagram(const DrawOptions& o) {
   const std::string format = format_of(o.out);
   if (format.empty()) return input_wrong;
@@ -61,26 +108,35 @@ int draw_diagram(const DrawOptions& o) {
   }
   const auto scope = scope_of(*graph, o);
   if (!scope) return input_wrong;
+  DrawingHints hints;
+  if (!o.hints.empty()) {
+    auto read = read_hints(o.hints, *graph, report);
+    print(report);
+    if (!read) return input_wrong;
+    hints = *std::move(read);
+  }
   const auto shows = [&](const char* what) { return std::find(o.show.begin(), o.show.end(), what) != o.show.end(); };
-  const Sheet sheet = sheet_of(
-      *graph, *scope, {.depth = o.depth, .rates = shows("rates"), .sizes = shows("sizes"), .units = shows("units")});
-  if (sheet.blocks.empty()) {
+  const SheetOptions options{.depth = o.depth,
+                             .rates = shows("rates"),
+                             .sizes = shows("sizes"),
+                             .units = shows("units"),
+                             .hidden = hints.hidden};
+  std::vector<Page> pages;
+  for (const std::uint32_t s : o.pages ? scopes_below(*graph, *scope) : std::vector{*scope}) {
+    const Sheet sheet = sheet_of(*graph, s, options);
+    if (sheet.blocks.empty()) continue;
+    try {
+      pages.push_back({graph->scopes[s].path, draw(sheet, arrange(sheet, hints.directions), o.theme)});
+    } catch (const RenderError& e) {
+      complain(fmt::format("cannot draw '{}': {}", o.out, e.what()));
+      return run_failed;
+    }
+  }
+  if (pages.empty()) {
     complain(fmt::format("{} has no blocks, so there is nothing to draw", o.file));
     return input_wrong;
   }
-  std::vector<std::uint8_t> bytes;
-  try {
-    bytes = picture(draw(sheet, arrange(sheet), o.theme), format);
-  } catch (const RenderError& e) {
-    complain(fmt::format("cannot draw '{}': {}", o.out, e.what()));
-    return run_failed;
-  }
-  if (const std::string error = write_file(o.out, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-      !error.empty()) {
-    complain(fmt::format("cannot write '{}': {}", o.out, error));
-    return run_failed;
-  }
-  return done;
+  return write_pages(o.out, format, pages);
 }
 
 }  // namespace
@@ -101,6 +157,9 @@ PLANTLOOP_COMMAND(draw) {
   parser.add_option("--depth", o->depth, "how many levels of subsystems are drawn open, in frames")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  parser.add_flag("--pages", o->pages,
+                  "draw each type of subsystem, too: a page of its own in a .pdf, else a file of its own");
+  parser.add_option("--hints", o->hints, "a YAML file with lists of names: forward, feedback, hide")->type_name("FILE");
   parser.add_option("--theme", o->theme, "how it looks")->check(CLI::IsMember(theme_names()))->capture_default_str();
   parser
       .add_option("--show", o->show,

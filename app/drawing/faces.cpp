@@ -91,12 +91,23 @@ class Face {
   Formula from_icon() const {
     Report report;
     const ExpressionPtr icon = parse_expression(b_.type->icon, {}, report);
-    if (!icon) return in_lines(std::string(b_.type->name));
+    if (!icon) return in_rows(b_.type->icon);
     const Formula with_values =
         formula_of(*icon, [this](const Expression& name, bool is_factor) { return value_of(name, is_factor, true); });
     if (measure(with_values, sheet_style.text).width <= widest) return with_values;
     return formula_of(*icon,
                       [this](const Expression& name, bool is_factor) { return value_of(name, is_factor, false); });
+  }
+
+  // Equations that are no expressions, as they stand; "; " ends a line.
+  static Formula in_rows(std::string_view text) {
+    std::vector<Formula> lines;
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find("; ", begin), text.size());
+      lines.emplace_back(std::string(text.substr(begin, end - begin)));
+      begin = end + 2;
+    }
+    return {Formula::Kind::lines, std::move(lines)};
   }
 
   std::string variable() const { return kind_.discretes.empty() ? "s" : "z"; }
@@ -105,6 +116,7 @@ class Face {
     const auto found = setting(name.parts[0]);
     if (!found) return std::nullopt;
     if (found->is_table && !(found->parameter != nullptr && with_values && !is_list(*found->parameter))) {
+      if (kind_.states.empty() && kind_.discretes.empty()) return std::nullopt;  // a matrix: by its name
       if (!with_values || found->parameter == nullptr || !is_polynomial(*found->parameter))
         return Formula(name.parts[0] + "(" + variable() + ")");
       return polynomial_of(*found->parameter);

@@ -36,12 +36,13 @@ class SheetMaker {
   Sheet run() {
     const GraphScope& scope = g_.scopes[scope_];
     if (scope_ != 0) add_inputs(scope);
-    for (std::size_t i = 0; i < scope.type->blocks.size(); ++i) add_child(scope, g_.children[scope.first_child + i]);
+    for (std::size_t i = 0; i < scope.type->blocks.size(); ++i) add_child(g_.children[scope.first_child + i]);
     for (const Pending& p : pending_) connect(p.driver, p.to, p.path);
     for (const std::uint32_t net : named_) source_of(net);
     if (scope_ != 0) add_outputs(scope);
     mark_results();
     drop_unread_outputs();
+    if (scope_ != 0) sheet_.path = scope.path + ".";
     return std::move(sheet_);
   }
 
@@ -90,12 +91,16 @@ class SheetMaker {
 
   // ---- children
 
+  const std::string& path_of(const GraphChild& child) const {
+    return child.kind == GraphChild::Kind::scope ? g_.scopes[child.index].path : g_.blocks[child.index].path;
+  }
+
   static std::string shown_name(const BlockDecl& decl) {
     return decl.label.empty() ? pretty_name(decl.name) : decl.label;
   }
 
-  void add_child(const GraphScope& scope, const GraphChild& child) {
-    (void)scope;
+  void add_child(const GraphChild& child) {
+    if (child.kind == GraphChild::Kind::bad || options_.hidden.contains(path_of(child))) return;
     if (child.kind == GraphChild::Kind::scope) return add_subsystem(child.index);
     if (child.kind != GraphChild::Kind::block) return;
     const GraphBlock& graph_block = g_.blocks[child.index];
@@ -128,7 +133,8 @@ class SheetMaker {
       nets_[from.first_output + i] = {index, static_cast<int>(i)};
     }
     if (on_wire) labels_[from.first_output] = name;
-    results_[from.first_output] = name;
+    for (std::uint32_t i = 0; i < from.outputs; ++i)
+      if (from.outputs > 1) results_[from.first_output + i] = name + "." + pretty_name(kind.outputs_declared[i]->name);
     for (std::size_t i = 0; i < fed_.size(); ++i)
       pending_.push_back({g_.nets[fed_[i]].driver, {index, static_cast<int>(i)}, path + "<" + std::to_string(i)});
     if (from.reset_when && reads_signals(from.reset_when)) add_reset(from, index, path);
@@ -202,7 +208,8 @@ class SheetMaker {
     for (std::size_t i = 0; i < scope.type->outputs.size(); ++i) {
       const auto net = static_cast<std::uint32_t>(scope.first_output + i);
       sources_[net] = nets_[net] = {index, static_cast<int>(i)};
-      results_[net] = scope.type->outputs.size() == 1 ? name : name + "." + pretty_name(scope.type->outputs[i].name);
+      if (scope.type->outputs.size() > 1 || open)
+        results_[net] = scope.type->outputs.size() == 1 ? name : name + "." + pretty_name(scope.type->outputs[i].name);
     }
     for (std::size_t i = 0; i < fed.size(); ++i)
       if (g_.nets[fed[i]].driver)
@@ -285,7 +292,6 @@ class SheetMaker {
       labels_[net] = shown;
     }
     labels_of_port_.insert({port.block, port.port});
-    results_[net] = shown;
     if (options_.rates && graph_net.rate.kind == GraphRate::Kind::discrete && b.shape == Shape::box)
       b.note = rate_text(graph_net.rate);
     return port;
@@ -294,9 +300,10 @@ class SheetMaker {
   // For a net that reaches here from elsewhere, and for circles of names.
   SheetPort placeholder(std::uint32_t net) {
     SheetBlock b;
-    b.path = path_of(g_, g_.nets[net]) + "@";
+    const std::string path = plantloop::path_of(g_, g_.nets[net]);
+    b.path = path + "@";
     b.shape = Shape::input;
-    b.formula = pretty_name(path_of(g_, g_.nets[net]));
+    b.formula = pretty_name(path.substr(path.rfind('.') + 1));
     b.outputs = {""};
     const SheetPort port{add(std::move(b)), 0};
     sources_[net] = port;
@@ -520,8 +527,12 @@ class SheetMaker {
           }))
         wire.label.clear();
       if (recorded || unread) wire.is_shown = true;
-      if (const auto result = results_.find(net); result != results_.end() && wire.result.empty())
+      // At its end a result has its name again, unless the block before says it.
+      if (const auto result = results_.find(net); result != results_.end()) {
         wire.result = result->second;
+      } else {
+        wire.result = wire.label;
+      }
       if (options_.sizes && g_.nets[net].shape.is_known() && !g_.nets[net].shape.is_scalar()) {
         const plantloop::Shape s = g_.nets[net].shape;
         wire.note = s.rank == 1 ? fmt::format("({})", s.rows) : fmt::format("({} × {})", s.rows, s.columns);
@@ -590,11 +601,7 @@ class SheetMaker {
 
 Sheet sheet_of(const Graph& graph, std::uint32_t scope, const SheetOptions& options) {
   Sheet sheet = SheetMaker(graph, scope, options).run();
-  if (scope == 0) {
-    sheet.title = graph.model->title;
-  } else {
-    sheet.title = graph.scopes[scope].path;
-  }
+  sheet.title = scope == 0 ? graph.model->title : graph.scopes[scope].path;
   return sheet;
 }
 

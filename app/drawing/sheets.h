@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
+#include <string>
 
 #include "engine/graph/graph.h"
 #include "render/diagram/sheet.h"
@@ -13,10 +15,11 @@
 namespace plantloop {
 
 struct SheetOptions {
-  int depth = 0;       // how many levels of subsystems are drawn open, in frames
-  bool rates = false;  // write the sampling times below the blocks
-  bool sizes = false;  // write the sizes of vectors and matrices on the wires
-  bool units = false;  // write the units on the wires
+  int depth = 0;                      // how many levels of subsystems are drawn open, in frames
+  bool rates = false;                 // write the sampling times below the blocks
+  bool sizes = false;                 // write the sizes of vectors and matrices on the wires
+  bool units = false;                 // write the units on the wires
+  std::set<std::string> hidden = {};  // full paths of blocks and subsystems that are not drawn
 };
 
 // `scope` is an index into Graph::scopes; 0 is the diagram.

@@ -12,6 +12,7 @@ struct StateSpace final : Block {
       "x' = A x + B u,  y = C x + D u.  B may be a vector where there is one input, C where there is one output. Where "
       "an entry "
       "of D is 0, that input does not reach that output at the same instant.";
+  static constexpr auto icon = "x' = A x + B u; y = C x + D u";
   static constexpr auto example = R"(
 blocks: {y: {type: state_space, in: 0, A: [[0, 1], [-4, 0]], B: [0, 1], C: [1, 0], initial: [1, 0]}}
 simulation: {stop: 2}

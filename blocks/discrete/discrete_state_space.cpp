@@ -12,6 +12,7 @@ struct DiscreteStateSpace final : Block {
       "x[k+1] = A x[k] + B u[k],  y[k] = C x[k] + D u[k].  B may be a vector where there is one input, C where there "
       "is one "
       "output. Where an entry of D is 0, that input does not reach that output at the same instant.";
+  static constexpr auto icon = "x⁺ = A x + B u; y = C x + D u";
   static constexpr auto example = R"(
 blocks: {y: {type: discrete_state_space, in: 1, A: 0.5, B: 1, C: 1, rate: 1}}
 simulation: {stop: 4}

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include "render/diagram/web.h"
 #include "render/text/label.h"
@@ -31,9 +33,24 @@ class Arranger {
     give_columns(web_);
     if (web_.is_framed) move_ports_to_edges();
     give_sizes();
-    turn_sides_by_height();
-    improve_sides();
-    result_ = arranged();
+    // Four beginnings, and the simplest end.
+    const Web start = web_;
+    double least = 0;
+    for (const int beginning : {0, 1, 2, 3}) {
+      web_ = start;
+      web_.branches_first = beginning % 2 != 0;
+      if (beginning < 2) turn_sides_by_height();
+      if (beginning >= 2) improve_columns();
+      improve_sides();
+      improve_columns();
+      Arrangement candidate = arranged();
+      const double price = cost(candidate);
+      if (beginning > 0 && price >= least) continue;
+      least = price;
+      result_ = std::move(candidate);
+      best_ = web_;
+    }
+    web_ = std::move(best_);
     move_to_origin();
     return std::move(result_);
   }
@@ -61,7 +78,7 @@ class Arranger {
       e.out.assign(b.outputs.size(), -1);
       e.in_text = b.inputs;
       for (const SheetHint& h : hints_) {
-        if (h.path != b.path) continue;
+        if (h.path != sheet_.path + b.path) continue;
         (h.where == SheetHint::Where::forward ? e.forced_forward : e.forced_feedback) = true;
       }
       web_.elements.push_back(std::move(e));
@@ -112,7 +129,7 @@ class Arranger {
   static double cost(const Arrangement& a) {
     double sum = 0;
     for (const PlacedNet& net : a.nets)
-      for (const int bends : net.bends) sum += bends + 6 * std::max(0, bends - 4);
+      for (const int bends : net.bends) sum += bends + 20 * std::max(0, bends - 4);
     return sum + 1.5 * crossings(a);
   }
 
@@ -144,9 +161,12 @@ class Arranger {
       if (!turn_sides(planned())) return;
   }
 
+  // How many attempts a sheet is worth: each takes longer the larger it is.
+  int budget() const { return std::clamp(4000 / static_cast<int>(web_.elements.size() + 1), 8, 150); }
+
   // Tries every circle's wires on the other side, as long as that makes the drawing simpler and there are not too many.
   void improve_sides() {
-    int tries = 250;
+    int tries = budget();
     double best = cost(arranged());
     for (bool better = true; better && tries > 0;) {
       better = false;
@@ -164,6 +184,31 @@ class Arranger {
             web_ = before;
           }
         }
+      }
+    }
+  }
+
+  // Whether a source stands above or below it.
+  bool has_company(const Element& e) const {
+    for (std::size_t p = 0; p < e.in.size(); ++p)
+      if (const Element* from = source_of(e, p); from != nullptr && from->is_beside()) return true;
+    return false;
+  }
+
+  // Tries what leads back, and what stands beside the main path, in other columns.
+  void improve_columns() {
+    int tries = budget() / 3;
+    double best = cost(arranged());
+    for (Element& e : web_.elements) {
+      if (e.is_beside() || e.first_column == e.last_column || has_company(e)) continue;
+      for (const int column : {e.column - 1, e.column + 1, e.column - 2, e.column + 2}) {
+        if (column < e.first_column || column > e.last_column || --tries < 0) continue;
+        const int before = std::exchange(e.column, column);
+        if (const double now = cost(arranged()); now < best - 1e-9) {
+          best = now;
+          break;
+        }
+        e.column = before;
       }
     }
   }
@@ -348,7 +393,7 @@ class Arranger {
   }
 
   void size_frame(Element& e, const SheetBlock& b) {
-    const Arrangement inside = arrange_inside(e);
+    const Arrangement& inside = insides_.emplace(e.block, arrange_inside(e)).first->second;
     const double m = sheet_style.frame_margin;
     e.half_width = inside.width / 2 + m;
     e.half_height = inside.height / 2 + m;
@@ -440,7 +485,7 @@ class Arranger {
       if (e.block >= 0 && block(e).inside) {
         const double m = sheet_style.frame_margin;
         result.frames.push_back(
-            {static_cast<int>(i), {x - e.half_width + m, y - e.half_height + m}, arrange_inside(e)});
+            {static_cast<int>(i), {x - e.half_width + m, y - e.half_height + m}, insides_.at(e.block)});
       }
     }
     for (const int e : web_.main_path) result.main_path.push_back(e);
@@ -494,7 +539,8 @@ class Arranger {
 
   const Sheet& sheet_;
   const std::vector<SheetHint>& hints_;
-  Web web_;
+  Web web_, best_;
+  std::map<int, Arrangement> insides_;  // by block of the sheet
   Arrangement result_;
 };
 

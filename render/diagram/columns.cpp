@@ -24,6 +24,13 @@ class Columns {
     find_main_path();
     pull_sources();
     centre_feedback();
+    for (const int e : order_) {
+      Element& x = element(e);
+      if (x.is_feedback || on_main_path(e) || after_[static_cast<std::size_t>(e)].empty()) continue;
+      if (web_.is_framed && x.shape == Shape::input) continue;
+      x.first_column = x.column;
+      x.last_column = highest(e);
+    }
     for (Element& e : web_.elements)
       if (e.is_beside()) e.column = element(reader_of(e)).column;
     web_.columns = 0;
@@ -98,6 +105,10 @@ class Columns {
       for (const Sink& s : net.sinks) {
         const Element &u = element(net.element), &v = element(s.element);
         if (u.is_feedback && !v.is_feedback) add_if_possible(s.element, net.element, v.shape == Shape::circle ? 1 : 0);
+      }
+    for (const Net& net : web_.nets)
+      for (const Sink& s : net.sinks) {
+        const Element &u = element(net.element), &v = element(s.element);
         if (!u.is_feedback && v.is_feedback) add_if_possible(s.element, net.element, 0);
       }
   }
@@ -220,7 +231,9 @@ class Columns {
     for (auto it = order_.rbegin(); it != order_.rend(); ++it) {
       Element& e = element(*it);
       if (!e.is_feedback || after_[static_cast<std::size_t>(*it)].empty()) continue;
-      e.column += (highest(*it) - e.column) / 2;
+      e.first_column = e.column;
+      e.last_column = highest(*it);
+      e.column += (e.last_column - e.column) / 2;
     }
   }
 

@@ -204,7 +204,9 @@ class Order {
         plain.push_back(i);
       }
       for (const int i : plain) units_[c].push_back({with_company(i), 0, tie_of(i)});
-      std::stable_sort(units_[c].begin(), units_[c].end(), [](const Unit& a, const Unit& b) { return a.tie < b.tie; });
+      std::stable_sort(units_[c].begin(), units_[c].end(), [this](const Unit& a, const Unit& b) {
+        return web_.branches_first ? a.tie > b.tie : a.tie < b.tie;
+      });
     }
   }
 
@@ -314,7 +316,7 @@ class Order {
           if (a.flow == b.flow && is_free(a.item) && is_free(b.item)) join(a.item, b.item);
     for (std::size_t i = 0; i < plan_.items.size(); ++i) {
       const Item& it = plan_.items[i];
-      if (it.kind != Item::Kind::corner || !is_free(static_cast<int>(i))) continue;
+      if (it.kind != Item::Kind::corner || !in_lanes(static_cast<int>(i))) continue;
       join(static_cast<int>(i), it.element);
     }
     std::map<int, std::pair<int, int>> span;
@@ -426,10 +428,11 @@ class Order {
   // A corner of a circle that itself leads back.
   bool in_lanes(int corner) const { return web_.elements[static_cast<std::size_t>(item(corner).element)].is_feedback; }
 
-  // How far a net goes back.
+  // How far a net, or what an element gives, goes back.
   int lane_length(const Item& it) const {
-    if (it.net < 0) return 0;
-    const Net& net = web_.nets[static_cast<std::size_t>(it.net)];
+    const int n = it.net >= 0 ? it.net : web_.elements[static_cast<std::size_t>(it.element)].out[0];
+    if (n < 0) return 0;
+    const Net& net = web_.nets[static_cast<std::size_t>(n)];
     int length = 0;
     for (const Sink& s : net.sinks)
       length = std::max(length, std::abs(web_.elements[static_cast<std::size_t>(net.element)].column -

@@ -129,7 +129,11 @@ class LoopCutter {
     for (const Net& net : web_.nets) {
       const bool from_inside = inside_[static_cast<std::size_t>(net.element)] == part;
       for (const Sink& sink : net.sinks) {
-        if (sink.is_back || inside_[static_cast<std::size_t>(sink.element)] != part) continue;
+        if (inside_[static_cast<std::size_t>(sink.element)] != part) continue;
+        if (sink.is_back) {
+          score[static_cast<std::size_t>(sink.element)] |= 64;
+          continue;
+        }
         const Element& e = web_.elements[static_cast<std::size_t>(sink.element)];
         const bool minus = is_minus(e, sink.port);
         int& s = score[static_cast<std::size_t>(sink.element)];
@@ -146,9 +150,9 @@ class LoopCutter {
       const bool is_circle = web_.elements[static_cast<std::size_t>(e)].shape == SheetBlock::Shape::circle;
       // Where branches only meet, with a plus, is no good place to begin.
       const bool adds = is_circle && web_.elements[static_cast<std::size_t>(e)].in_text[0] != "×";
-      const bool joins = adds && (s & 32) && !(s & 8);
-      return (compares ? 32 : 0) + ((s & 4) ? 8 : 0) + ((s & 8) ? 4 : 0) + ((s & 2) ? 2 : 0) + (is_circle ? 1 : 0) -
-             (joins ? 3 : 0);
+      const bool joins = adds && (s & 32) && !(s & 8) && (s & 4);
+      return (compares ? 32 : 0) + ((s & 4) ? 8 : 0) + ((s & 8) ? 4 : 0) + ((s & 2) ? 2 : 0) + (is_circle ? 1 : 0) +
+             ((s & 64) ? 6 : 0) - (joins ? 3 : 0);
     };
     int best = loop.front();
     for (const int e : loop)

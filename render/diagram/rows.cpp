@@ -14,6 +14,8 @@
 namespace plantloop {
 namespace {
 
+constexpr double below_main = 60;  // what leads back stands so far below the main path where nothing else keeps it down
+
 struct Joint {
   int left = 0, right = 0;  // items
   double shift = 0;         // height of `right` above that of `left` when the connection is straight
@@ -33,6 +35,7 @@ class Rows {
     for (std::size_t i = 0; i < plan_.items.size(); ++i)
       plan_.items[i].y = height_[static_cast<std::size_t>(line_[i])] + shift_[i];
     branch_from_passes();
+    straighten_corners();
   }
 
  private:
@@ -70,6 +73,39 @@ class Rows {
           break;
         }
       }
+  }
+
+  // A corner moves to the height at which its wire arrives, when nothing but wires is passed on the way.
+  void straighten_corners() {
+    for (const std::vector<End>& ends : plan_.channels)
+      for (const End& mine : ends) {
+        Item& corner = item(mine.item);
+        if (corner.kind != Item::Kind::corner) continue;
+        for (const End& other : ends) {
+          if (other.flow != mine.flow || other.from_left == mine.from_left) continue;
+          const double y = item(other.item).y + other.offset, circle = item(corner.element).y;
+          const double distance = corner.from_above ? circle - y : y - circle;
+          if (distance < sheet_style.circle + sheet_style.stub || std::abs(y - corner.y) < 0.1) continue;
+          if (!is_free_way(corner, y, circle)) continue;
+          corner.y = y;
+          break;
+        }
+      }
+  }
+
+  // Whether a wire may stand at this height of the corner's column, and reach the circle from there.
+  bool is_free_way(const Item& corner, double y, double circle) {
+    for (const int i : plan_.columns[static_cast<std::size_t>(corner.column)]) {
+      const Item& other = item(i);
+      if (&other == &corner || (other.kind == Item::Kind::element && other.element == corner.element)) continue;
+      const double room = other.kind == Item::Kind::element ? 10 : 0.7 * sheet_style.lane_gap;
+      if (y > other.y - other.above - room && y < other.y + other.below + room) return false;
+      const bool between = (other.y - y) * (other.y - circle) < 0;
+      if (between && other.kind == Item::Kind::element) return false;
+      // Another corner of this circle on the same side cannot be; of another one it would be crossed.
+      if (between && other.kind == Item::Kind::corner) return false;
+    }
+    return true;
   }
 
   int path_place(int e) const {
@@ -240,7 +276,10 @@ class Rows {
       bool moved = false;
       const auto settle = [&](int l) {
         if (l == main) return;
-        const double want = wanted(l), least = upper_end(l), most = lower_end(l);
+        const double want = wanted(l), most = lower_end(l);
+        double least = upper_end(l);
+        if (!std::isfinite(least) && !std::isfinite(want) && !above[static_cast<std::size_t>(l)])
+          least = height_[static_cast<std::size_t>(main)] + below_main;
         const double y = std::max(least, std::min(want, most));
         if (!std::isfinite(y)) return;
         if (std::abs(y - height_[static_cast<std::size_t>(l)]) < 0.01) return;

@@ -61,13 +61,14 @@ struct SheetWire {
 
 struct Sheet {
   std::string title;
+  std::string path;  // of what is drawn, with a dot at its end: "plant."; empty for a whole diagram
   std::vector<SheetBlock> blocks;
   std::vector<SheetWire> wires;
 };
 
 // What a user may say about a place, when the automatic one is not wanted.
 struct SheetHint {
-  std::string path;
+  std::string path;  // from the top of the diagram: "plant.filter"
   enum class Where { forward, feedback } where = Where::forward;
 };
 

@@ -57,8 +57,10 @@ class Splitter {
     Term main;
     std::stable_sort(lanes.begin(), lanes.end(), [](const Term& a, const Term& b) { return a.depth > b.depth; });
     if (sides.empty()) {
-      main = lanes.back();
-      lanes.pop_back();
+      // The innermost loop, or of what leads back itself the farthest.
+      const auto at = element(e).is_feedback ? lanes.begin() : lanes.end() - 1;
+      main = *at;
+      lanes.erase(at);
     } else {
       auto best = sides.begin();
       for (auto it = sides.begin(); it != sides.end(); ++it)

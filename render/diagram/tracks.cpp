@@ -21,6 +21,13 @@ struct Flow {
   bool is_straight = false;
   int level = 0;
   double x = 0;
+  // An end that another flow keeps from being reached straight: it is reached from a second track.
+  struct Detour {
+    const End* end = nullptr;
+    int level = 0;
+    double x = 0;
+  };
+  std::vector<Detour> detours;
 };
 
 struct Piece {
@@ -109,6 +116,19 @@ class Router {
       }
       placed.push_back(f);
     }
+    // Where two flows would each have to stand left of the other, the left one goes round the right one.
+    for (std::size_t i = 0; i < placed.size(); ++i)
+      for (std::size_t j = i + 1; j < placed.size(); ++j)
+        for (const End* r : placed[i]->ends)
+          for (const End* l : placed[j]->ends) {
+            if (r->from_left || !l->from_left || std::abs(height(*r) - height(*l)) >= 8) continue;
+            int level = 0;
+            for (const Flow* f : placed) {
+              level = std::max(level, f->level + 1);
+              for (const Flow::Detour& d : f->detours) level = std::max(level, d.level + 1);
+            }
+            placed[i]->detours.push_back({r, level, 0});
+          }
   }
 
   void give_x() {
@@ -131,6 +151,7 @@ class Router {
       for (const Flow& f : flows_[c]) {
         used = true;
         if (!f.is_straight) levels = std::max(levels, f.level + 1);
+        for (const Flow::Detour& d : f.detours) levels = std::max(levels, d.level + 1);
       }
       plan_.channel_left[c] = x;
       double width = 0;
@@ -144,7 +165,13 @@ class Router {
         width = sheet_style.stub;
       }
       // Tracks stand to the right of the labels, arrows to the right of the tracks.
-      for (Flow& f : flows_[c]) f.x = x + plan_.label_room[c] + sheet_style.stub + f.level * sheet_style.track_gap;
+      for (Flow& f : flows_[c]) {
+        const auto x_of = [&](int level) {
+          return x + plan_.label_room[c] + sheet_style.stub + level * sheet_style.track_gap;
+        };
+        f.x = x_of(f.level);
+        for (Flow::Detour& d : f.detours) d.x = x_of(d.level);
+      }
       x += width;
       plan_.channel_right[c] = x;
       if (c < columns) {
@@ -182,8 +209,28 @@ class Router {
       add(net, {from, y}, {until, y});
       return;
     }
-    for (const End* e : flow.ends) add(net, {edge_x(*e, c), height(*e)}, {flow.x, height(*e)});
-    add(net, {flow.x, flow.top}, {flow.x, flow.bottom});
+    for (const End* e : flow.ends) {
+      const auto detour =
+          std::find_if(flow.detours.begin(), flow.detours.end(), [&](const Flow::Detour& d) { return d.end == e; });
+      const double y = height(*e);
+      if (detour == flow.detours.end()) {
+        add(net, {edge_x(*e, c), y}, {flow.x, y});
+        continue;
+      }
+      const double beside = y + ((flow.top + flow.bottom) / 2 > y ? 11 : -11);
+      add(net, {flow.x, beside}, {detour->x, beside});
+      add(net, {detour->x, beside}, {detour->x, y});
+      add(net, {detour->x, y}, {edge_x(*e, c), y});
+    }
+    double top = flow.bottom, bottom = flow.top;
+    for (const End* e : flow.ends) {
+      double y = height(*e);
+      if (std::any_of(flow.detours.begin(), flow.detours.end(), [&](const Flow::Detour& d) { return d.end == e; }))
+        y += (flow.top + flow.bottom) / 2 > y ? 11 : -11;
+      top = std::min(top, y);
+      bottom = std::max(bottom, y);
+    }
+    add(net, {flow.x, top}, {flow.x, bottom});
   }
 
   void cross_columns() {

@@ -24,6 +24,7 @@ struct Element {
   bool is_beside() const { return is_above || is_below; }
   bool forced_forward = false, forced_feedback = false;
   int column = 0;
+  int first_column = 0, last_column = 0;  // where else what leads back could stand
 
   double half_width = 0, half_height = 0;            // of the outline
   double left = 0, right = 0, above = 0, below = 0;  // of outline and captions, from the centre
@@ -49,7 +50,8 @@ struct Web {
   std::vector<Net> nets;
   std::vector<int> main_path;  // elements
   int columns = 0;
-  bool is_framed = false;  // inputs and outputs stand at the left and right edge
+  bool branches_first = false;  // begin the ordering with what branches off above the main path
+  bool is_framed = false;       // inputs and outputs stand at the left and right edge
 };
 
 // loops.cpp: which connections close loops, and which elements lead back.

@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr const char* loop = R"(plantloop: 1
@@ -51,6 +52,25 @@ TEST_F(Draw, OpensSubsystemsAndLooksInsideThem) {
   EXPECT_THAT(place_.read("open.svg"), AllOf(HasSubstr("frame/controller"), HasSubstr("block/controller.x")));
   EXPECT_EQ(place_.run("draw loop.yaml -o inside.svg --inside controller").status, 0);
   EXPECT_THAT(place_.read("inside.svg"), HasSubstr("id=\"block/x\""));
+}
+
+TEST_F(Draw, GivesSubsystemsPagesOfTheirOwn) {
+  EXPECT_EQ(place_.run("draw loop.yaml -o pages.pdf --pages").status, 0);
+  EXPECT_THAT(place_.read("pages.pdf"), HasSubstr("/Count 2"));
+  EXPECT_EQ(place_.run("draw loop.yaml -o pages.svg --pages").status, 0);
+  EXPECT_THAT(place_.read("pages.svg"), HasSubstr("block/controller"));
+  EXPECT_THAT(place_.read("pages.controller.svg"), HasSubstr("block/x"));
+}
+
+TEST_F(Draw, FollowsHints) {
+  place_.write("hints.yaml", "hide: [r]\n");
+  EXPECT_EQ(place_.run("draw loop.yaml -o a.svg --hints hints.yaml").status, 0);
+  EXPECT_THAT(place_.read("a.svg"), Not(HasSubstr("id=\"block/r\"")));
+  place_.write("wrong.yaml", "forward: [controler]\nback: [e]\n");
+  const Outcome o = place_.run("draw loop.yaml -o a.svg --hints wrong.yaml");
+  EXPECT_EQ(o.status, 2);
+  EXPECT_THAT(o.err, AllOf(HasSubstr("wrong.yaml:1:11: error: the diagram has no block 'controler'"),
+                           HasSubstr("did you mean 'controller'?"), HasSubstr("wrong.yaml:2:1: error:")));
 }
 
 TEST_F(Draw, SaysWhatIsWrong) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/drawing/sheets.h"
+#include "engine/run/diagram.h"
 #include "render/diagram/draw.h"
 #include "render/image.h"
 #include "render/scene/lint.h"
@@ -69,6 +70,37 @@ TEST(Drawing, OfEveryDiagramKeepsTheRulesOfTheLayout) {
       }
   }
   EXPECT_GT(drawn, 30);
+}
+
+// Block types show what their own examples do.
+TEST(Drawing, OfEveryBlockTypesExampleKeepsTheRulesOfTheLayout) {
+  for (const BlockType& type : catalogue()) {
+    Report report;
+    const auto model = read_model_text("plantloop: 1\n" + std::string(type.example), "examples/example.yaml", report);
+    auto graph = model ? elaborate(model, {}, report) : nullptr;
+    if (!graph) continue;  // it reads a file beside it
+    const Sheet sheet = sheet_of(*graph, 0, {.rates = true});
+    const Arrangement a = arrange(sheet);
+    EXPECT_THAT(faults(sheet, a), IsEmpty()) << type.name;
+    EXPECT_THAT(lint(draw(sheet, a)), IsEmpty()) << type.name;
+  }
+}
+
+// Models known from other tools and books, made again.
+TEST(Drawing, TheClassicsAreRightAndTwentyFiveOrMore) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("diagrams/classics")) {
+    const std::string path = entry.path().string();
+    Report report;
+    const auto diagram = Diagram::load(path, report);
+    ASSERT_TRUE(diagram) << to_text(report, false);
+    const auto run = diagram->run({}, report);
+    ASSERT_TRUE(run) << to_text(report, false);
+    EXPECT_FALSE(run->verdicts.empty()) << path;
+    for (const Verdict& v : run->verdicts) EXPECT_TRUE(v.met) << path << ": " << v.text << ": " << v.measured;
+    ++count;
+  }
+  EXPECT_GE(count, 25);
 }
 
 TEST(Drawing, ALinearWireBecomesSumsAndGainsAndANonlinearTermOneBox) {
