@@ -329,6 +329,8 @@ class Block {
   virtual void derivatives(Now now, Rates rate) const { (void)now, (void)rate; }
   virtual void update(Now now, Next next) const { (void)now, (void)next; }
   virtual void jumps(Now now, Jumps jump) const { (void)now, (void)jump; }
+  // A period in s, exact as decimal text, that the instance brings along, as from a file; "": none. It may read texts.
+  virtual std::string own_period() const { return {}; }
   virtual RateKind rate_kind() const;  // from the declared states and inputs unless overridden
 
   // The declarations, in order.

@@ -10,6 +10,7 @@
 
 #include "engine/base/numbers.h"
 #include "engine/graph/elaboration.h"
+#include "engine/graph/static_instance.h"
 
 namespace plantloop {
 namespace {
@@ -53,6 +54,31 @@ class RateFinding {
       stated_[i] = decl.period ? stated(decl, block.scope) : g_.scopes[block.scope].rate;
       block.bad |= decl.period && stated_[i] == 0;  // reported
       if (stated_[i] != 0) block.rate_reason = decl.period ? "stated" : "of the subsystem around it";
+      take_own_period(i);
+    }
+  }
+
+  // The period that a block brings along counts as stated; another one beside it is an error.
+  void take_own_period(std::uint32_t i) {
+    GraphBlock& block = g_.blocks[i];
+    if (!block.type || block.bad) return;
+    StaticInstance instance(g_);
+    instance.stand_for(block);
+    const std::string text = block.type->block->own_period();
+    if (text.empty()) return;
+    const BlockDecl& decl = *block.declaration;
+    const std::optional<Rational> period = Rational::from_text(text);
+    if (!period) return;
+    if (!decl.period) {
+      stated_[i] = number_of(*period, Rational(), decl.mark);
+      block.rate_reason = "of its model file";
+    } else if (stated_[i] != 0 && !(g_.rates[stated_[i]].period == *period)) {
+      e_.findings
+          .error(decl.period->mark, "the model file of '{}' was made for a period of {} s, not {} s", decl.name, text,
+                 shortest(g_.rates[stated_[i]].period.to_double()))
+          .hint("leave `rate:` out, the file gives it")
+          .named("rate");
+      block.bad = true;
     }
   }
 

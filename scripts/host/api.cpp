@@ -49,7 +49,7 @@ std::vector<TypeInfo> make_api() {
       {"identify",
        "Models from data.",
        all_of({identify_data_functions(), identify_linear_functions(), identify_model_functions(),
-               identify_analysis_functions()}),
+               identify_learned_functions(), identify_analysis_functions()}),
        {}},
       {"DataSet", "Measured inputs u and outputs y of one process, in one or more experiments.", data_methods(),
        data_fields()},
@@ -58,6 +58,8 @@ std::vector<TypeInfo> make_api() {
       {"StateSpaceModel", "x(k+1) = A x + B u, y = C x + D u.", state_space_methods(), state_space_fields()},
       {"RegressionModel", "A NARX model that is linear in its parameters.", regression_model_methods(),
        regression_model_fields()},
+      {"LearnedModel", "A network, local models or a Gaussian process from regressors to outputs.",
+       learned_model_methods(), learned_model_fields()},
   };
 }
 

@@ -74,6 +74,7 @@ int set_up(lua_State* L) {
   open_data(L);
   open_linear_models(L);
   open_models(L);
+  open_learned_models(L);
   open_globals(L);
   return 0;
 }

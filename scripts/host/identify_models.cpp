@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "identify/model_file/model_file.h"
 #include "scripts/host/identify_objects.h"
 
@@ -188,8 +190,11 @@ int load(lua_State* L) {
   } else if (type == "regression_model") {
     push_regression_model(L, identify::regression_model_of(item));
   } else {
-    throw ScriptError(fmt::format("'{}' holds a model of the type '{}'{}", path, type,
-                                  suggestion(type, {"linear_model", "state_space_model", "regression_model"})));
+    std::vector<std::string> known{"linear_model", "state_space_model", "regression_model"};
+    for (const identify::ApproximatorType& each : identify::approximators()) known.emplace_back(each.name);
+    if (std::find(known.begin(), known.end(), type) == known.end())
+      throw ScriptError(fmt::format("'{}' holds a model of the type '{}'{}", path, type, suggestion(type, known)));
+    push_learned_model(L, identify::read_narx(item));
   }
   return 1;
 }
@@ -239,7 +244,7 @@ Entries identify_model_functions() {
        "a polynomial NARX model: terms by orthogonal least squares, their number by the free run on the last part of "
        "the "
        "data, fitted to the free run"},
-      {"load", guarded<load>, "path: string", "pl.LinearModel|pl.StateSpaceModel|pl.RegressionModel",
+      {"load", guarded<load>, "path: string", "pl.LinearModel|pl.StateSpaceModel|pl.RegressionModel|pl.LearnedModel",
        "reads a model file"},
   };
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
 #include "tests/blocks/diagrams.h"
@@ -39,6 +40,12 @@ std::string record_list(const Sample& sample, const std::string& name) {
   return text;
 }
 
+// A block of a learned model has its model file; every other one reads a table.
+std::string file_for(const BlockType& type) {
+  const std::string model = fmt::format("tests/blocks/models/{}.yaml", type.name);
+  return std::filesystem::exists(model) ? model : "tests/blocks/signals.csv";
+}
+
 Sample with_parameters(const BlockType& type, Fill fill) {
   Sample sample;
   sample.type = &type;
@@ -51,7 +58,7 @@ Sample with_parameters(const BlockType& type, Fill fill) {
     if (t->spec.init.empty() && !t->spec.optional) sample.parameters.emplace_back(t->name, table_value(*t, fill));
   }
   for (const Text* t : block.texts) {
-    if (t->spec.file && !t->spec.optional) sample.parameters.emplace_back(t->name, "tests/blocks/signals.csv");
+    if (t->spec.file && !t->spec.optional) sample.parameters.emplace_back(t->name, file_for(type));
   }
   sample.list = !block.lists.empty();
   sample.sampled = block.rate_kind() == RateKind::discrete;

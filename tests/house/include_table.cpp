@@ -40,7 +40,7 @@ const std::vector<Layer>& layers() {
 
 const std::vector<Door>& doors() {
   static const std::vector<Door> table{
-      {"fmt/", {"engine", "blocks", "identify", "render", "scripts", "app", "tests", "bench"}},
+      {"fmt/", {"engine", "learned", "blocks", "identify", "render", "scripts", "app", "tests", "bench"}},
       {"yaml-cpp/", {"engine/diagram/document.cpp"}},
       {"cvode/", {"engine/solve/cvode.cpp"}},
       {"nvector/", {"engine/solve/cvode.cpp"}},

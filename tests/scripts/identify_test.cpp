@@ -59,6 +59,24 @@ TEST_F(Identification, ModelsComeBackFromTheirFiles) {
   EXPECT_THAT(read("m1.yaml"), HasSubstr("plantloop_model: 1\ntype: linear_model\nstructure: OE\nTs: 0.1\n"));
 }
 
+TEST_F(Identification, LearnsNetworksLocalModelsAndGaussianProcesses) {
+  EXPECT_EQ(with_data(R"lua(
+      local regressors = "y(k-1), u(k-1)"
+      local short = data:part(1, 120)
+      local models = {identify.mlp(short, {regressors = regressors, hidden = 2, starts = 2, iterations = 30}),
+                      identify.rbf_network(short, {regressors = regressors, functions = 5}),
+                      identify.local_models(short, {regressors = regressors, models = 2}),
+                      identify.gaussian_process(short, {regressors = regressors, starts = 1, points = 40})}
+      for i, m in ipairs(models) do
+        m:save(("l%d.yaml"):format(i))
+        print(m.type, identify.load(("l%d.yaml"):format(i)):simulate(short) == m:simulate(short), #m.report.tried > 0)
+      end
+      local mean, variance = models[4]:uncertain(short, {propagation = "first_order"})
+      print(#mean, variance[2] > 0, models[1]:prune(short).report.method))lua"),
+            "mlp\ttrue\ttrue\nrbf_network\ttrue\ttrue\nlocal_model_network\ttrue\ttrue\ngaussian_process\ttrue\ttrue\n"
+            "120\ttrue\toptimal brain surgeon");
+}
+
 TEST_F(Identification, FindsOrdersAndDelays) {
   EXPECT_EQ(with_data(R"lua(
       local noisy = identify.data{u = u, y = y + identify.white_noise{samples = #y, deviation = 0.02, seed = 3}, Ts = 0.1}

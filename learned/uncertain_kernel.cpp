@@ -1,0 +1,29 @@
+// Steps of identify::UncertainRun on the state in the frame.
+
+#include "learned/uncertain_kernel.h"
+
+#include <algorithm>
+
+namespace plantloop {
+
+UncertainKernel::UncertainKernel(std::shared_ptr<const identify::GpMap> map, identify::RegressorSet regressors,
+                                 identify::Propagation method, bool feed_noise)
+    : run_(map, std::move(regressors), method, feed_noise), inputs_(map->inputs()) {}
+
+void UncertainKernel::initialise(const KernelCall& call) const {
+  std::fill(call.state, call.state + state_size(), 0.0);
+  std::fill(call.state, call.state + run_.depth(), call.in[inputs_]);
+}
+
+void UncertainKernel::evaluate(const KernelCall& call) const {
+  const identify::UncertainRun::Step step = run_.predict(call.in, call.state);
+  call.out[0] = step.mean;
+  call.out[1] = step.variance;
+}
+
+void UncertainKernel::advance(const KernelCall& call) const {
+  run_.advance(run_.predict(call.in, call.state), call.state, call.scratch);
+  std::copy(call.scratch, call.scratch + state_size(), call.state);
+}
+
+}  // namespace plantloop

@@ -1,0 +1,265 @@
+// pl.identify: networks, local models and Gaussian processes, trained on data.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "identify/gp/gp_map.h"
+#include "identify/local_models/local_model_network.h"
+#include "identify/mlp/fit_mlp.h"
+#include "identify/mlp/prune.h"
+#include "identify/rbf/rbf_network.h"
+#include "scripts/host/identify_models.h"
+#include "scripts/host/identify_objects.h"
+
+namespace plantloop::lua {
+namespace {
+
+using Eigen::Index;
+using identify::DataSet;
+using identify::NarxModel;
+using identify::RegressorSet;
+
+RegressorSet regressors_of(const Options& o, const DataSet& data) {
+  if (!o.has("regressors")) throw ScriptError("'regressors' are missing, as in regressors = \"y(k-1), u(k-1..2)\"");
+  return identify::parse_regressors(o.text("regressors"), data);
+}
+
+std::uint64_t seed_of(const Options& o) { return static_cast<std::uint64_t>(std::max(0, integer(o, "seed", 1))); }
+
+void push_outputs(lua_State* L, const identify::Outputs& parts) {
+  Index rows = 0;
+  for (const Eigen::MatrixXd& p : parts) rows += p.rows();
+  Eigen::MatrixXd all(rows, parts.empty() ? 0 : parts[0].cols());
+  rows = 0;
+  for (const Eigen::MatrixXd& p : parts) {
+    all.middleRows(rows, p.rows()) = p;
+    rows += p.rows();
+  }
+  push_columns(L, all);
+}
+
+int mlp(lua_State* L) {
+  const DataSet& data = data_argument(L, 1);
+  const Options o(L, 2, "the options of mlp",
+                  {"regressors", "hidden", "activation", "method", "starts", "iterations", "decay", "simulation",
+                   "validation", "patience", "spread", "seed"});
+  identify::MlpOptions m;
+  if (o.has("hidden")) m.hidden = integers(L, o, "hidden");
+  if (o.has("activation")) m.activation = identify::find_activation(o.text("activation"));
+  if (o.has("method")) m.training.method = identify::find_training_method(o.text("method"));
+  m.starts = integer(o, "starts", m.starts);
+  m.training.iterations = integer(o, "iterations", m.training.iterations);
+  m.training.patience = integer(o, "patience", m.training.patience);
+  m.training.decay = o.number("decay").value_or(0);
+  m.spread = o.number("spread").value_or(m.spread);
+  m.simulation = o.flag("simulation");
+  m.seed = seed_of(o);
+  DataSet none;
+  const DataSet* validation = &none;
+  if (o.push("validation")) validation = &data_argument(L, -1);
+  push_learned_model(L, identify::fit_narx_mlp(data, regressors_of(o, data), *validation, m, control_of(L)).model);
+  return 1;
+}
+
+int rbf_network(lua_State* L) {
+  const DataSet& data = data_argument(L, 1);
+  const Options o(L, 2, "the options of rbf_network",
+                  {"regressors", "function", "centres", "functions", "width", "constant", "ridge", "tolerance",
+                   "optimise", "iterations", "seed"});
+  identify::RbfOptions r;
+  if (o.has("function")) r.function = identify::find_radial(o.text("function"));
+  if (o.has("centres")) r.centres = identify::find_rbf_centres(o.text("centres"));
+  r.functions = integer(o, "functions", r.functions);
+  r.width = o.number("width").value_or(r.width);
+  if (o.has("constant")) r.constant = o.flag("constant");
+  r.ridge = o.number("ridge").value_or(r.ridge);
+  r.tolerance = o.number("tolerance").value_or(0);
+  r.optimise = o.flag("optimise");
+  r.iterations = integer(o, "iterations", r.iterations);
+  r.seed = seed_of(o);
+  const RegressorSet set = regressors_of(o, data);
+  const identify::Regression rows = identify::make_regression(data, set);
+  const identify::RbfFit fit = identify::fit_rbf(rows.X, rows.Y, r, control_of(L));
+  push_learned_model(L, identify::make_narx(fit.model, set, data, fit.report));
+  return 1;
+}
+
+int local_models(lua_State* L) {
+  const DataSet& data = data_argument(L, 1);
+  const Options o(L, 2, "the options of local_models",
+                  {"regressors", "models", "cells", "scheduling", "estimation", "width", "ridge"});
+  identify::LocalModelOptions l;
+  for (const int number : integers(L, o, "scheduling")) l.scheduling.push_back(number - 1);
+  const std::string estimation = o.text("estimation", "local");
+  if (estimation != "local" && estimation != "global") o.wrong("estimation", "local or global");
+  if (estimation == "global") l.estimation = identify::LocalEstimation::global;
+  l.width = o.number("width").value_or(l.width);
+  l.ridge = o.number("ridge").value_or(l.ridge);
+  if (o.has("models") && o.has("cells")) throw ScriptError("a tree has 'models', a grid has 'cells'; give one of them");
+  const RegressorSet set = regressors_of(o, data);
+  const identify::Regression rows = identify::make_regression(data, set);
+  const identify::LocalModelFit fit =
+      o.has("cells") ? identify::fit_local_grid(rows.X, rows.Y, integer(o, "cells", 3), l, control_of(L))
+                     : identify::fit_lolimot(rows.X, rows.Y, integer(o, "models", 10), l, control_of(L));
+  push_learned_model(L, identify::make_narx(fit.model, set, data, fit.report));
+  return 1;
+}
+
+int gaussian_process(lua_State* L) {
+  const DataSet& data = data_argument(L, 1);
+  const Options o(L, 2, "the options of gaussian_process",
+                  {"regressors", "covariance", "mean", "starts", "iterations", "points", "seed"});
+  identify::GpOptions g;
+  if (o.has("covariance")) g.covariance = o.text("covariance");
+  if (o.has("mean")) g.mean = o.text("mean");
+  g.starts = integer(o, "starts", g.starts);
+  g.max_iterations = integer(o, "iterations", g.max_iterations);
+  g.seed = seed_of(o);
+  push_learned_model(L,
+                     identify::fit_narx_gp(data, regressors_of(o, data), g, integer(o, "points", 1000), control_of(L)));
+  return 1;
+}
+
+const NarxModel& self(lua_State* L) { return held_self<NarxModel>(L, learned_kind); }
+
+int simulate(lua_State* L) {
+  push_outputs(L, identify::free_run(self(L), data_argument(L, 2)));
+  return 1;
+}
+
+int predict(lua_State* L) {
+  const std::int64_t steps = is_given(L, 3) ? integer_argument(L, 3, "steps", 1, 1'000'000) : 1;
+  push_outputs(L, identify::k_step(self(L), data_argument(L, 2), static_cast<int>(steps)));
+  return 1;
+}
+
+int uncertain(lua_State* L) {
+  const Options o(L, 3, "the options of uncertain", {"propagation", "trajectories", "seed", "noise"});
+  const bool noise = !o.has("noise") || o.flag("noise");
+  const identify::Outputs found =
+      o.has("trajectories")
+          ? identify::simulate_monte_carlo(self(L), data_argument(L, 2), integer(o, "trajectories", 1000), seed_of(o),
+                                           noise)
+          : identify::simulate_uncertain(self(L), data_argument(L, 2),
+                                         identify::find_propagation(o.text("propagation", "moment_matching")), noise);
+  identify::Outputs means, variances;
+  for (const Eigen::MatrixXd& part : found) {
+    means.emplace_back(part.col(0));
+    variances.emplace_back(part.col(1));
+  }
+  push_outputs(L, means);
+  push_outputs(L, variances);
+  return 2;
+}
+
+int prune(lua_State* L) {
+  const NarxModel& model = self(L);
+  const Options o(L, 3, "the options of prune", {"test", "decay", "iterations", "least"});
+  const auto* map = dynamic_cast<const identify::Mlp*>(model.map.get());
+  if (map == nullptr) throw ScriptError(fmt::format("only an mlp can be pruned, this is a {}", model.map->type()));
+  identify::PruneOptions p;
+  p.decay = o.number("decay").value_or(0);
+  p.iterations = integer(o, "iterations", p.iterations);
+  p.least = integer(o, "least", p.least);
+  const DataSet& data = data_argument(L, 2);
+  const identify::Regression rows = identify::make_regression(data, model.regressors);
+  identify::Regression test;
+  if (o.push("test")) test = identify::make_regression(data_argument(L, -1), model.regressors);
+  const identify::Pruned pruned = identify::prune(*map, rows.X, rows.Y, test.X, test.Y, p, control_of(L));
+  push_learned_model(L, identify::make_narx(pruned.model, model.regressors, data, pruned.report));
+  return 1;
+}
+
+int save(lua_State* L) {
+  write_and_push(L, text_argument(L, 2, "path"), identify::to_yaml(self(L)), {".yaml"});
+  return 1;
+}
+
+const std::vector<Field<NarxModel>>& fields() {
+  using M = NarxModel;
+  static const std::vector<Field<M>> list{
+      {"type", "string", "mlp, rbf_network, local_model_network, gaussian_process",
+       [](lua_State* L, const M& m) { push_text(L, m.map->type()); }},
+      {"names", "string[]", "the regressors",
+       [](lua_State* L, const M& m) {
+         std::vector<std::string> names;
+         for (const identify::Regressor& r : m.regressors.list) names.push_back(to_text(r, m.regressors));
+         push_texts(L, names);
+       }},
+      {"longest_lag", "integer", "samples before the first prediction",
+       [](lua_State* L, const M& m) { lua_pushinteger(L, m.regressors.longest_lag()); }},
+      {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.channels.Ts); }},
+      {"report", "table", "method, samples, reached, iterations, stopped, tried, warnings, text",
+       [](lua_State* L, const M& m) { push_report(L, m.fit); }},
+  };
+  return list;
+}
+
+}  // namespace
+
+void push_learned_model(lua_State* L, NarxModel model) {
+  // About what its file needs; a Gaussian process holds a factor too.
+  std::size_t bytes = 4000;
+  if (const auto* gp = dynamic_cast<const identify::GpMap*>(model.map.get())) {
+    for (const auto& process : gp->processes())
+      bytes += sizeof(double) * static_cast<std::size_t>(process.factor().size() + process.x().size());
+  }
+  push_held(L, learned_kind, std::move(model), bytes);
+}
+
+Entries identify_learned_functions() {
+  return {
+      {"mlp", guarded<mlp>,
+       "data: pl.DataSet, options: {regressors: string, hidden?: integer|integer[], activation?: string, method?: "
+       "string, starts?: integer, iterations?: integer, decay?: number, simulation?: boolean, validation?: pl.DataSet, "
+       "patience?: integer, spread?: number, seed?: integer}",
+       "pl.LearnedModel",
+       "a multilayer perceptron from many starts; simulation: trained through time for the error of the free run; "
+       "validation: each start ends where its error there is least"},
+      {"rbf_network", guarded<rbf_network>,
+       "data: pl.DataSet, options: {regressors: string, function?: string, centres?: \"ols\"|\"box\"|\"spread\", "
+       "functions?: integer, width?: number, constant?: boolean, ridge?: number, tolerance?: number, optimise?: "
+       "boolean, iterations?: integer, seed?: integer}",
+       "pl.LearnedModel", "radial basis functions; their width is relative to the range of each regressor"},
+      {"local_models", guarded<local_models>,
+       "data: pl.DataSet, options: {regressors: string, models?: integer, cells?: integer, scheduling?: "
+       "integer|integer[], estimation?: \"local\"|\"global\", width?: number, ridge?: number}",
+       "pl.LearnedModel",
+       "affine local models: a tree that grows to `models` of them, or a grid of `cells` along each scheduling "
+       "variable, "
+       "which are numbers of regressors"},
+      {"gaussian_process", guarded<gaussian_process>,
+       "data: pl.DataSet, options: {regressors: string, covariance?: string, mean?: \"zero\"|\"constant\"|\"linear\", "
+       "starts?: integer, iterations?: integer, points?: integer, seed?: integer}",
+       "pl.LearnedModel",
+       "a Gaussian process by maximum likelihood, for each output; from more rows than `points` the most spread ones "
+       "are taken"},
+  };
+}
+
+Entries learned_model_methods() {
+  return {
+      {"simulate", guarded<simulate>, "data: pl.DataSet", "pl.Vector",
+       "free run: the outputs are the model's own, the first ones measured"},
+      {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer", "pl.Vector",
+       "the output that many steps after the last measured one"},
+      {"uncertain", guarded<uncertain>,
+       "data: pl.DataSet, options?: {propagation?: \"naive\"|\"first_order\"|\"moment_matching\", trajectories?: "
+       "integer, seed?: integer, noise?: boolean}",
+       "pl.Vector, pl.Vector",
+       "free run of a Gaussian process: mean and variance of the function; trajectories: drawn at random instead; "
+       "noise: "
+       "that the outputs fed back have noise"},
+      {"prune", guarded<prune>,
+       "data: pl.DataSet, options?: {test?: pl.DataSet, decay?: number, iterations?: integer, least?: integer}",
+       "pl.LearnedModel", "an mlp without the weights that are missed least (optimal brain surgeon)"},
+      {"save", guarded<save>, "path: string", "string", "writes a model file, .yaml; gives the path"},
+  };
+}
+
+std::vector<FieldInfo> learned_model_fields() { return infos_of(fields()); }
+
+void open_learned_models(lua_State* L) { open_held<NarxModel>(L, learned_kind, learned_model_methods(), fields()); }
+
+}  // namespace plantloop::lua

@@ -1,0 +1,112 @@
+// Learned models in diagrams: the numbers of the library, bit for bit, and the rate of the model file.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "identify/gp/gp_map.h"
+#include "identify/narx/load.h"
+#include "tests/blocks/diagrams.h"
+
+namespace plantloop::testing_diagrams {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string system =
+    "blocks:\n"
+    "  u: {type: random_levels, generator: lcg, seed: 20240101, lower: -1.2, upper: 1.2, hold: 4, rate: 0.5}\n"
+    "  y: {type: unit_delay, in: y - 0.5*tanh(y + u^3), rate: 0.5, initial: 0}\n";
+const std::string network = "model: diagrams/book/models/first_order_mlp.yaml";
+
+// The recorded signals as identification sees them.
+identify::DataSet data_of(const Signals& r) {
+  const std::vector<double> u = r.samples("u"), y = r.samples("y");
+  const auto n = static_cast<Eigen::Index>(u.size());
+  return identify::make_data_set(Eigen::MatrixXd(Eigen::VectorXd::Map(u.data(), n)),
+                                 Eigen::MatrixXd(Eigen::VectorXd::Map(y.data(), n)), 0.5, {{"u", ""}}, {{"y", ""}});
+}
+
+TEST(Narx, GivesTheNumbersOfTheLibraryBitForBit) {
+  const Signals r = run(system + "  one: {type: narx, mode: one_step, in: {u: u, y: y}, " + network + "}\n" +
+                        "  free: {type: narx, in: {u: u}, " + network + "}\n" +
+                        "simulation: {stop: 50}\nrecord: [u, y, one.y, free.y]\n");
+  const auto model = identify::load_model("diagrams/book/models/first_order_mlp.yaml");
+  ASSERT_EQ(model->error, "");
+  const identify::DataSet data = data_of(r);
+  const Eigen::MatrixXd one = identify::one_step(model->narx, data)[0];
+  const std::vector<double> found = r.samples("one.y"), run_free = r.samples("free.y");
+  ASSERT_EQ(static_cast<Eigen::Index>(found.size()), one.rows());
+  for (std::size_t k = 1; k < found.size(); ++k) EXPECT_EQ(found[k], one(static_cast<Eigen::Index>(k), 0));
+  // The free run of the block starts from its first own output.
+  identify::DataSet begun = data;
+  begun.experiments[0].y(0, 0) = run_free[0];
+  const Eigen::MatrixXd free = identify::free_run(model->narx, begun)[0];
+  for (std::size_t k = 1; k < found.size(); ++k) EXPECT_EQ(run_free[k], free(static_cast<Eigen::Index>(k), 0));
+}
+
+TEST(Narx, StartsFromGivenOutputsAndInputs) {
+  const Signals r =
+      run("blocks: {m: {type: narx, model: tests/blocks/models/narx.yaml, initial: 2, initial_u: 1, in: "
+          "{u: 0}}}\nsimulation: {stop: 1}\nrecord: [m.y]\n");
+  EXPECT_DOUBLE_EQ(r.samples("m.y")[0], 0.8 * 2 + 0.2);
+  EXPECT_DOUBLE_EQ(r.samples("m.y")[1], 0.8 * (0.8 * 2 + 0.2));
+}
+
+TEST(Narx, TakesItsRateFromTheModelFile) {
+  const std::string narx = "blocks:\n  m: {type: narx, model: tests/blocks/models/narx.yaml, in: {u: 1}";
+  EXPECT_EQ(run(narx + "}\nsimulation: {stop: 1}\nrecord: [m.y]\n").samples("m.y").size(), 11U);
+  EXPECT_EQ(findings(narx + ", rate: 0.1}\nsimulation: {stop: 1}\n"), "");
+  EXPECT_THAT(findings(narx + ", rate: 0.2}\nsimulation: {stop: 1}\n"),
+              HasSubstr("the model file of 'm' was made for a period of 0.1 s, not 0.2 s"));
+}
+
+TEST(Narx, SaysWhichPortsAModeHas) {
+  EXPECT_THAT(
+      findings(system + "  m: {type: narx, mode: one_step, in: {u: u}, " + network + "}\nsimulation: {stop: 1}\n"),
+      HasSubstr("mode one_step predicts from measured outputs, so port y needs a wire"));
+  EXPECT_THAT(findings(system + "  m: {type: narx, in: {u: u, y: y}, " + network + "}\nsimulation: {stop: 1}\n"),
+              HasSubstr("mode free_run feeds the model's own outputs back, so port y stays free"));
+  EXPECT_THAT(findings(system + "  m: {type: narx, in: {u: u}, propagation: first_order, " + network +
+                       "}\nsimulation: {stop: 1}\n"),
+              HasSubstr("only a Gaussian process knows how uncertain it is, this is 'mlp'"));
+  EXPECT_THAT(
+      findings("blocks: {m: {type: narx, model: tests/blocks/models/mlp.yaml, in: {u: 0}}}\nsimulation: {stop: 1}\n"),
+      HasSubstr("the model 'tests/blocks/models/mlp.yaml' has no regressors; the block mlp runs it"));
+}
+
+TEST(Map, SaysWhichBlockRunsAModel) {
+  EXPECT_THAT(
+      findings("blocks: {m: {type: mlp, model: tests/blocks/models/rbf_network.yaml, in: {x: 0}}}\nsimulation: "
+               "{stop: 1}\n"),
+      HasSubstr("'tests/blocks/models/rbf_network.yaml' holds a model of type 'rbf_network'; a block of that type "
+                "runs it"));
+  EXPECT_THAT(
+      findings("blocks: {m: {type: mlp, model: tests/blocks/signals.csv, in: {x: 0}}}\nsimulation: {stop: 1}\n"),
+      HasSubstr("tests/blocks/signals.csv"));
+}
+
+// A Gaussian process in free run: mean and variance are those of the library for each way of carrying uncertainty.
+TEST(Narx, CarriesTheUncertaintyOfAGaussianProcessAlong) {
+  const std::string file = "tests/blocks/models/gp_narx.yaml";
+  for (const char* how : {"naive", "first_order", "moment_matching"}) {
+    const Signals r = run(system + "  m: {type: narx, in: {u: u}, propagation: " + how + ", model: " + file +
+                          "}\nsimulation: {stop: 15}\nrecord: [u, y, m.y, m.variance]\n");
+    const auto model = identify::load_model(file);
+    ASSERT_EQ(model->error, "");
+    // One sample of rest before the start, as the block has it.
+    const identify::DataSet data = data_of(r);
+    Eigen::MatrixXd u = Eigen::MatrixXd::Zero(data.samples() + 1, 1), y = u;
+    u.bottomRows(data.samples()) = data.experiments[0].u;
+    const identify::DataSet begun = identify::make_data_set(u, y, 0.5, {{"u", ""}}, {{"y", ""}});
+    const Eigen::MatrixXd expected =
+        identify::simulate_uncertain(model->narx, begun, identify::find_propagation(how))[0];
+    const std::vector<double> mean = r.samples("m.y"), variance = r.samples("m.variance");
+    for (std::size_t k = 0; k < mean.size(); ++k) {
+      EXPECT_EQ(mean[k], expected(static_cast<Eigen::Index>(k) + 1, 0)) << how;
+      EXPECT_NEAR(variance[k], expected(static_cast<Eigen::Index>(k) + 1, 1), 1e-15) << how;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plantloop::testing_diagrams
