@@ -1,4 +1,4 @@
-# plantloop::sundials: CVODE with serial vectors, dense and sparse matrices and KLU, for both releases that Debian has.
+# plantloop::sundials: CVODE and IDA with serial vectors, dense and sparse matrices and KLU, for both releases that Debian has.
 #
 # Linked as archives: SUNDIALS 7 of Debian 13 drags in Open MPI, whose libraries take 50 ms to load in every process. The
 # archives need only the names of some functions that a serial run never calls; engine/solve/serial_mpi.cpp has them.
@@ -8,7 +8,7 @@ find_package(SUNDIALS REQUIRED CONFIG)
 
 add_library(plantloop_sundials INTERFACE)
 add_library(plantloop::sundials ALIAS plantloop_sundials)
-foreach(part cvode sunnonlinsolnewton sunnonlinsolfixedpoint sunlinsoldense sunlinsolklu sunmatrixdense sunmatrixsparse nvecserial core
+foreach(part cvode ida sunnonlinsolnewton sunnonlinsolfixedpoint sunlinsoldense sunlinsolklu sunmatrixdense sunmatrixsparse nvecserial core
         generic)
   if(TARGET SUNDIALS::${part}_static)
     target_link_libraries(plantloop_sundials INTERFACE $<TARGET_FILE:SUNDIALS::${part}_static>)

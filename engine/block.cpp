@@ -2,6 +2,8 @@
 
 #include "engine/block.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -117,6 +119,32 @@ const Jumps::Event& Jumps::Event::set(const Discrete& state, const Array& value)
 Value segment(const Array& times) {
   return Recorder::current()->segment({times.values().begin(), times.values().end()});
 }
+Array implicit(const Shape& shape, const Implicit& about, const std::function<Array(const Array&)>& residual) {
+  Recorder& recorder = *Recorder::current();
+  const auto first = static_cast<std::uint32_t>(recorder.record.unknowns.size());
+  const std::string path(BlockInstance::current().path());
+  Array unknowns(shape);
+  const auto suffix = [&](int i) {
+    if (shape.is_scalar()) return std::string();
+    return shape.rank == 1 ? fmt::format(".{}", i + 1)
+                           : fmt::format(".{}.{}", i / shape.columns + 1, i % shape.columns + 1);
+  };
+  for (int i = 0; i < shape.size(); ++i) {
+    RecordedUnknown unknown;
+    unknown.name = path + suffix(i);
+    unknown.site = recorder.site;
+    unknown.lower = about.lower.at(i);
+    unknown.upper = about.upper.at(i);
+    unknown.guess = about.guess.at(i);
+    recorder.record.unknowns.push_back(std::move(unknown));
+    unknowns[i] = recorder.implicit(first + static_cast<std::uint32_t>(i));
+  }
+  const Array zero = residual(unknowns);
+  for (int i = 0; i < shape.size(); ++i)
+    recorder.record.unknowns[first + static_cast<std::uint32_t>(i)].residual = zero.at(i);
+  return unknowns;
+}
+
 NoEvents::NoEvents() : before_(std::exchange(Recorder::current()->plain, true)) {}
 NoEvents::~NoEvents() { Recorder::current()->plain = before_; }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <memory>
@@ -171,6 +172,15 @@ struct Discrete : Declared {
 // k >= 0, are <= now. The solver never steps over them.
 Value segment(const Array& times);
 Value beats(Value first, Value period);
+
+// Values that equations determine: unknowns y with residual(y) = 0, one equation for each, found whenever they are
+// read. The search begins at `guess` and stays between the bounds, which depend on parameters only; scalars spread.
+struct Implicit {
+  Array guess = Array(0.0);
+  Array lower = Array(-unbounded);
+  Array upper = Array(unbounded);
+};
+Array implicit(const Shape& shape, const Implicit& about, const std::function<Array(const Array&)>& residual);
 
 // What is compared while one of these lives makes no events: for results that are smooth where the comparison changes.
 class NoEvents {

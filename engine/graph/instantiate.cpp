@@ -128,7 +128,7 @@ class Instantiation {
   }
 
   void report_unknown_type(std::uint32_t s, const BlockDecl& decl) {
-    for (const char* later : {"bus", "state_machine", "algebraic_constraint"}) {
+    for (const char* later : {"bus", "state_machine"}) {
       if (decl.type == later) {
         e_.findings.error(decl.type_mark, "the block type '{}' is not built yet", decl.type).named("not-built");
         return;

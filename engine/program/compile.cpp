@@ -117,6 +117,7 @@ class Compiler {
     const std::vector<Partial> jacobian = options_.jacobian ? make_jacobian() : std::vector<Partial>{};
     make_states();
     const std::vector<std::uint32_t> step_roots = unrolled_step();
+    if (options_.dae) make_dae();
 
     Lowering slots(graph_);
     place_loops(slots);
@@ -253,6 +254,7 @@ class Compiler {
     }
     program_->loop_list = plain(unknowns);
     lower_jacobian(slots, jacobian);
+    if (options_.dae) lower_dae(slots);
 
     Lowering::Request initial;
     initial.roots = by_place(resolved_->initial_states);
@@ -313,6 +315,55 @@ class Compiler {
       }
     }
     has_advance_inputs_ = true;
+  }
+
+  // The equations with the unknowns of loops as variables, and their Jacobian.
+  void make_dae() {
+    dae_roots_ = by_place(resolved_->derivatives);
+    std::vector<std::uint32_t> leaves;
+    std::vector<std::uint32_t> column;
+    const SinkInCharge charge(graph_);
+    for (const auto state : program_->state_at) leaves.push_back(graph_.leaf(Op::state, state, continuous_bit).id());
+    for (std::uint32_t k = 0; k < recorded_loops_; ++k) {
+      const Loop& loop = graph_.loops[k];
+      if (loop.initial || loop.by_hand || !is_continuous(loop)) continue;
+      program_->dae_loops.push_back(k);
+      for (const Loop::Unknown& unknown : loop.unknowns) {
+        dae_roots_.push_back(unknown.residual);
+        leaves.push_back(unknown.operation);
+        dae_unknowns_.push_back(unknown.operation);
+      }
+    }
+    graph_.rate = 0;
+    std::vector<std::uint32_t> opaque;
+    dae_jacobian_ = differentiate_by(graph_, dae_roots_, leaves, opaque, true);
+    if (!opaque.empty()) dae_jacobian_.clear();
+    dae_is_exact_ = opaque.empty();
+    for (const Partial& p : dae_jacobian_) graph_.id_of(p.value);
+  }
+
+  void lower_dae(Lowering& slots) {
+    const auto n = static_cast<std::uint32_t>(dae_roots_.size());
+    Lowering::Request request;
+    request.roots = dae_roots_;
+    request.pinned = slots.allocate(n, 8);
+    for (const auto unknown : dae_unknowns_) request.given.emplace_back(unknown, slots.home(unknown));
+    if (n > 0) program_->dae_list = slots.lower(request);
+    if (!dae_is_exact_) return;
+    std::sort(dae_jacobian_.begin(), dae_jacobian_.end(), [](const Partial& x, const Partial& y) {
+      return std::pair(x.column, x.row) < std::pair(y.column, y.row);
+    });
+    program_->dae_column_start.assign(n + 1, 0);
+    request.roots.clear();
+    request.pinned = no_slot;
+    for (const Partial& p : dae_jacobian_) {
+      ++program_->dae_column_start[p.column + 1];
+      program_->dae_row.push_back(static_cast<int>(p.row));
+      request.roots.push_back(graph_.id_of(p.value));
+    }
+    std::partial_sum(program_->dae_column_start.begin(), program_->dae_column_start.end(),
+                     program_->dae_column_start.begin());
+    if (!request.roots.empty()) program_->dae_jacobian_list = slots.lower(request);
   }
 
   bool is_continuous(const Loop& loop) const { return graph_.operations[loop.operation].is_continuous(); }
@@ -479,6 +530,9 @@ class Compiler {
   OperationGraph& graph_;
   std::size_t recorded_loops_;  // those that follow belong to the Jacobian
   std::shared_ptr<Program> program_;
+  std::vector<std::uint32_t> dae_roots_, dae_unknowns_;
+  std::vector<Partial> dae_jacobian_;
+  bool dae_is_exact_ = true;
   std::vector<std::uint32_t> guard_roots_;
   std::vector<std::uint32_t> advance_order_;  // kernels of the Record in the order of resolved_->advance_inputs
   bool has_advance_inputs_ = false;

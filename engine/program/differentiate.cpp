@@ -293,12 +293,13 @@ std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std:
 }
 
 std::vector<Partial> differentiate_by(OperationGraph& graph, const std::vector<std::uint32_t>& roots,
-                                      const std::vector<std::uint32_t>& leaves, std::vector<std::uint32_t>& opaque) {
+                                      const std::vector<std::uint32_t>& leaves, std::vector<std::uint32_t>& opaque,
+                                      bool only_continuous) {
   if (leaves.empty()) return {};
   const std::uint32_t base = *std::min_element(leaves.begin(), leaves.end());
   std::vector<std::uint32_t> columns(graph.operations.size() - base, 0xffffffff);
   for (std::uint32_t i = 0; i < leaves.size(); ++i) columns[leaves[i] - base] = i;
-  Differentiator differentiator(graph, base, std::move(columns), false, opaque);
+  Differentiator differentiator(graph, base, std::move(columns), only_continuous, opaque);
   std::vector<Partial> result;
   for (std::uint32_t row = 0; row < roots.size(); ++row) differentiator.row(row, roots[row], result);
   sort_opaque(opaque);

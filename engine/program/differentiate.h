@@ -28,8 +28,10 @@ std::vector<Partial> differentiate(OperationGraph& graph, const std::vector<std:
 std::uint32_t slope(OperationGraph& graph, std::uint32_t operation, const std::vector<std::uint32_t>& derivatives);
 
 // The same by these operations instead of leaves; `column` is a place among them. Whatever was made before the first of
-// them does not depend on it. Operations are made at the graph's present rate.
+// them does not depend on it. Operations are made at the graph's present rate. `only_continuous`: what is held does not
+// move with the leaves.
 std::vector<Partial> differentiate_by(OperationGraph& graph, const std::vector<std::uint32_t>& roots,
-                                      const std::vector<std::uint32_t>& leaves, std::vector<std::uint32_t>& opaque);
+                                      const std::vector<std::uint32_t>& leaves, std::vector<std::uint32_t>& opaque,
+                                      bool only_continuous = false);
 
 }  // namespace plantloop

@@ -280,9 +280,11 @@ void operands_of(const Record& record, std::uint32_t id, bool initial, std::vect
     case Op::wire:
       into.push_back(record.wires[node.a]);
       return;
-    case Op::implicit:
-      into.push_back(record.unknowns[node.a].residual);
+    case Op::implicit: {
+      const RecordedUnknown& unknown = record.unknowns[node.a];
+      into.assign({unknown.residual, unknown.lower, unknown.upper, unknown.guess});
       return;
+    }
     case Op::state:
       if (initial) into.push_back(record.states[node.a].initial);
       return;

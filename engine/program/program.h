@@ -28,17 +28,19 @@ struct Program {
   std::vector<std::uint32_t> state_at, place_of_state;
 
   // What to run when; `roots` of each list are the slots of its results.
-  List parameter_list;   // after a parameter changed
-  List initial_list;     // once: initial states (by place), then initial discrete states
-  List held_list;        // at hits and events, by mask: operations that hold their value in between
-  List mode_list;        // roots: the value of each mode by present values
-  List guard_list;       // roots: guards, in the order of `guards`
-  List derivative_list;  // roots: derivatives by place, contiguous
-  List watch_list;       // roots: watched values
-  List jump_list;        // roots: the values of all jumps, from the left values
-  List advance_list;     // roots: inputs of the continuous kernels' advance, one after the other
-  List jacobian_list;    // roots: entries of df/dx in the order of the pattern
-  List step_list;        // roots: the states after one fixed step by place; empty when the method is not unrolled
+  List parameter_list;     // after a parameter changed
+  List initial_list;       // once: initial states (by place), then initial discrete states
+  List held_list;          // at hits and events, by mask: operations that hold their value in between
+  List mode_list;          // roots: the value of each mode by present values
+  List guard_list;         // roots: guards, in the order of `guards`
+  List derivative_list;    // roots: derivatives by place, contiguous
+  List watch_list;         // roots: watched values
+  List jump_list;          // roots: the values of all jumps, from the left values
+  List advance_list;       // roots: inputs of the continuous kernels' advance, one after the other
+  List jacobian_list;      // roots: entries of df/dx in the order of the pattern
+  List dae_list;           // roots: derivatives by place, then the residuals of `dae_loops`, unknowns as they stand
+  List dae_jacobian_list;  // roots: entries of d dae/d(states, unknowns) in the order of the pattern
+  List step_list;          // roots: the states after one fixed step by place; empty when the method is not unrolled
 
   std::vector<SlotIndex> numbers;  // of CompileOptions::numbers (computed by parameter_list)
   std::vector<SlotIndex> nexts;    // per discrete state: its next value (in held_list)
@@ -115,6 +117,9 @@ struct Program {
 
   // df/dx by columns; rows are places.
   std::vector<int> jacobian_column_start, jacobian_row;
+  // The same for dae_list; columns and rows are places, then unknowns.
+  std::vector<int> dae_column_start, dae_row;
+  std::vector<std::uint32_t> dae_loops;  // the loops whose unknowns are variables of the solver, in order
   bool jacobian_is_exact = true;
   std::vector<std::string> differenced;  // kernels without derivative, named in the report
 
@@ -139,6 +144,7 @@ struct CompileOptions {
       numbers;  // values over parameters only, to be read after parameter_list: settings, bounds, expectations
   bool jacobian = true;
   bool loops_are_errors = false;
+  bool dae = false;           // make dae_list for a solver that takes the unknowns of loops as variables
   std::string unroll_method;  // "euler", "heun" or "rk4": make step_list when the derivatives are few
   double unroll_step = 0;     // its step size in s
 };

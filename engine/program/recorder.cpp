@@ -67,7 +67,11 @@ Value Recorder::discrete(std::uint32_t index) {
   return Value::node(latches_[index]);
 }
 
-Value Recorder::implicit(std::uint32_t index) { return leaf(Op::implicit, index); }
+Value Recorder::implicit(std::uint32_t index) {
+  const Value unknown = leaf(Op::implicit, index);
+  record.nodes[unknown.id()].rate = rate;  // of a sampled block: found at its hits
+  return unknown;
+}
 
 Value Recorder::hit(RateIndex of) {
   const RateIndex before = std::exchange(rate, of);

@@ -69,6 +69,7 @@ class Settings {
     if (positive(decl_.max_steps, "max_steps", count)) o.max_steps = static_cast<std::int64_t>(count);
     if (positive(decl_.max_rows, "max_rows", count)) o.max_rows = static_cast<std::int64_t>(count);
     o.solver = decl_.solver;
+    o.zeno = decl_.zeno;
     return o;
   }
 
@@ -171,6 +172,7 @@ std::shared_ptr<const CompiledDiagram> Diagram::build(const Overrides& set, cons
   compiled->first_bound = options.numbers.size();
   for (const RecordedBound& bound : compiled->recorded.bounds) options.numbers.push_back(bound.value);
   options.loops_are_errors = model_->simulation.loops == "error";
+  options.dae = (unroll_method.empty() ? compiled->options.solver : unroll_method) == "ida";
   options.unroll_method = unroll_method;
   options.unroll_step = unroll_step;
   if (unroll_method.empty() && compiled->options.step > 0) {
@@ -363,6 +365,7 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
     throw;
   }
   run.timing.simulate = seconds() - simulating;
+  for (const std::string& text : run.statistics.warnings) report.warning({}, "{}", text).named("zeno");
   run.verdicts = judge(*model_, run, baselines);
   return run;
 }

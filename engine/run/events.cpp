@@ -17,7 +17,8 @@ namespace plantloop {
 namespace {
 
 constexpr int most_passes = 100;            // of event iteration
-constexpr int most_events_in_a_row = 1000;  // closer together than 1000 event tolerances
+constexpr int most_events_in_a_row = 1000;  // of one function, closer together than 1000 event tolerances
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<Direction> directions_of_guards(const Program& program) {
   std::vector<Direction> directions;
@@ -35,16 +36,24 @@ Events::Events(RunState& run, KernelAdvance& kernels, Rows& rows)
       kernels_(kernels),
       rows_(rows),
       roots_(directions_of_guards(run.program), run.options.event_tol),
-      guard_values_(run.program.guards.size()) {}
+      guard_values_(run.program.guards.size()),
+      last_event_(run.program.guards.size(), -infinity),
+      quiet_until_(run.program.guards.size(), -infinity),
+      in_a_row_(run.program.guards.size(), 0),
+      sign_when_muted_(run.program.guards.size(), 0) {}
 
 void Events::guards_at(double t, double* values) {
   run_.put_states_of(t);
   KernelFrame kernels = frame_.kernel_frame(true);
   execute(program_.guard_list, frame_.arena, &kernels);
   for (std::size_t i = 0; i < program_.guards.size(); ++i) values[i] = frame_.arena[program_.guard_list.roots[i]];
+  for (std::size_t i = 0; any_muted_ && i < program_.guards.size(); ++i) {
+    if (is_muted(i)) values[i] = std::numeric_limits<double>::quiet_NaN();  // it fires no more, its sign is kept
+  }
 }
 
 bool Events::crossing_between(double before, double after) {
+  if (any_muted_) wake();
   const double parts = std::max(1.0, std::ceil((after - before) / run_.gap * (1 - 1e-9)));
   double from = before;
   for (double i = 1; i <= parts; ++i) {
@@ -96,12 +105,76 @@ bool Events::in_wrong_mode(double before, double after) {
 }
 
 void Events::watch_for_zeno(double at) {
-  const double tolerance = event_tolerance(at, options_.event_tol);
-  events_in_a_row_ = at - last_event_ < 1e3 * tolerance ? events_in_a_row_ + 1 : 0;
-  last_event_ = at;
-  if (events_in_a_row_ > most_events_in_a_row) {
-    throw RunError(fmt::format("at time {} s events follow each other without end: {}", at, names_of_fired()), at);
+  const double close = 1e3 * event_tolerance(at, options_.event_tol);
+  if (!run_.still.empty() || any_muted_) release();
+  for (const int g : fired_) {
+    const auto i = static_cast<std::size_t>(g);
+    in_a_row_[i] = at - last_event_[i] < close ? in_a_row_[i] + 1 : 0;
+    last_event_[i] = at;
+    if (in_a_row_[i] > most_events_in_a_row) end_zeno(g, at);
   }
+}
+
+// A function whose events follow each other without end: the policy of `zeno`.
+void Events::end_zeno(int guard, double at) {
+  const auto i = static_cast<std::size_t>(guard);
+  const Program::Guard& function = program_.guards[i];
+  const std::string name = function.is_jump ? program_.jumps[function.index].name : mode_name(function.index);
+  const std::string what = fmt::format("at time {} s events follow each other without end: {}", at, name);
+  if (options_.zeno == "error") {
+    throw RunError(what +
+                       "\n  a hysteresis, or a restitution that ends, makes them end; or go on with simulation: {zeno: "
+                       "hold} or {zeno: ignore}",
+                   at);
+  }
+  in_a_row_[i] = 0;
+  any_muted_ = true;
+  sign_when_muted_[i] = roots_.signs()[i];
+  if (options_.zeno == "ignore") {
+    quiet_until_[i] = at + run_.gap;
+    run_.statistics.warnings.push_back(
+        fmt::format("{}; it is not looked at for {:g} s (zeno: ignore)", what, run_.gap));
+    return;
+  }
+  quiet_until_[i] = infinity;
+  if (function.is_jump) {
+    for (const auto& target : program_.jumps[function.index].targets) {
+      if (!target.discrete) run_.still.push_back(target.slot - program_.states);
+    }
+  }
+  run_.statistics.warnings.push_back(fmt::format("{}; {} until the next event of something else (zeno: hold)", what,
+                                                 function.is_jump ? "what it sets stands still" : "its mode is held"));
+}
+
+// Functions that are looked at again fire at once where they have crossed meanwhile.
+void Events::wake() {
+  any_muted_ = false;
+  for (std::size_t i = 0; i < quiet_until_.size(); ++i) {
+    if (quiet_until_[i] <= run_.t && quiet_until_[i] > -infinity) {
+      quiet_until_[i] = -infinity;
+      roots_.signs()[i] = sign_when_muted_[i];
+    }
+    any_muted_ = any_muted_ || quiet_until_[i] > run_.t;
+  }
+}
+
+void Events::release() {
+  if (!any_muted_) return;
+  any_muted_ = false;
+  for (double& until : quiet_until_) {
+    if (until == infinity) until = -infinity;
+    any_muted_ = any_muted_ || until > -infinity;
+  }
+  if (run_.still.empty()) return;
+  run_.still.clear();
+  run_.restart = true;
+}
+
+bool Events::is_frozen(std::size_t mode) const {
+  for (std::size_t g = 0; any_muted_ && g < program_.guards.size(); ++g) {
+    if (!program_.guards[g].is_jump && program_.guards[g].index == mode && is_muted(g)) return true;
+  }
+  return false;
 }
 
 bool Events::a_jump_fired() const {
@@ -183,7 +256,7 @@ std::vector<int> Events::guards_fired_by_now(const std::vector<int>& just_fired)
     values[i] = frame_.arena[program_.guard_list.roots[i]];
     const Program::Guard& guard = program_.guards[i];
     const bool new_one = std::find(just_fired.begin(), just_fired.end(), static_cast<int>(i)) == just_fired.end();
-    if (guard.is_jump && new_one && roots_.fires(i, values[i])) fired.push_back(static_cast<int>(i));
+    if (guard.is_jump && new_one && !is_muted(i) && roots_.fires(i, values[i])) fired.push_back(static_cast<int>(i));
   }
   roots_.remember_fired(just_fired, values);
   // The memory of those that fired is not touched again.
@@ -220,7 +293,7 @@ bool Events::modes_differ() {
   execute(program_.mode_list, frame_.arena, &kernels);
   for (std::size_t m = 0; m < program_.modes.size(); ++m) {
     const double now = frame_.arena[program_.mode_list.roots[m]];
-    if (now != frame_.arena[program_.modes[m]] && !std::isnan(now)) return true;
+    if (now != frame_.arena[program_.modes[m]] && !std::isnan(now) && !is_frozen(m)) return true;
   }
   return false;
 }
@@ -234,7 +307,7 @@ std::string Events::name_of_differing_mode() const {
 
 void Events::take_modes() {
   for (std::size_t m = 0; m < program_.modes.size(); ++m) {
-    frame_.arena[program_.modes[m]] = frame_.arena[program_.mode_list.roots[m]];
+    if (!is_frozen(m)) frame_.arena[program_.modes[m]] = frame_.arena[program_.mode_list.roots[m]];
   }
 }
 

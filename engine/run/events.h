@@ -30,11 +30,17 @@ class Events {
   void settle_events(std::vector<int> fired, Mask bits);
   // Takes the signs of the guards into memory, as at the start of a run.
   void remember_guards();
+  // Something else happens: what a Zeno policy holds may move again.
+  void release();
 
  private:
   void guards_at(double t, double* values);
   bool in_wrong_mode(double before, double after);
+  void wake();
+  bool is_muted(std::size_t guard) const { return quiet_until_[guard] > run_.t; }
+  bool is_frozen(std::size_t mode) const;
   void watch_for_zeno(double at);
+  void end_zeno(int guard, double at);
   bool a_jump_fired() const;
   std::string names_of_fired() const;
   std::string mode_name(std::size_t mode) const;
@@ -56,8 +62,11 @@ class Events {
   std::vector<int> fired_;
   double before_event_ = 0;  // s; none of fired_ has crossed there
   double retried_at_ = std::numeric_limits<double>::quiet_NaN();
-  double last_event_ = -std::numeric_limits<double>::infinity();
-  int events_in_a_row_ = 0;
+  // Per guard: its last event (s), how many came close together before it, and until when (s) it is not looked at.
+  std::vector<double> last_event_, quiet_until_;
+  std::vector<int> in_a_row_;
+  std::vector<std::int8_t> sign_when_muted_;
+  bool any_muted_ = false;
 };
 
 }  // namespace plantloop

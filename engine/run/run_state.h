@@ -2,8 +2,10 @@
 
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "engine/program/solve_loop.h"
 #include "engine/run/clockwork.h"
@@ -30,6 +32,7 @@ struct RunState {
   std::optional<Clockwork> clockwork;
   std::unique_ptr<Integrator> integrator;  // null without continuous states
   bool restart = true;  // the states, or what their derivatives read, changed: the integrator must forget the past
+  std::vector<std::uint32_t> still;  // places of states that a Zeno policy holds: their derivatives count as zero
   RunStatistics statistics;
   bool ended() const { return !statistics.ended_by.empty(); }
 

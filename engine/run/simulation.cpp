@@ -81,7 +81,7 @@ class Runner {
                                    options_.max_steps));
     }
     if (frame_.state_count() > 0) {
-      system_.emplace(frame_, options_.step);
+      system_.emplace(frame_, options_.step, run_.still);
       SolverOptions solver;
       solver.solver = options_.solver;
       solver.start = options_.start;
@@ -278,6 +278,7 @@ class Runner {
       kernels_.continuous(false);
       run_.restart = true;
     }
+    events_.release();
     events_.settle_events({}, bits);
     for (std::size_t i = 0; i < held_before_.size() && !run_.restart; ++i) {
       run_.restart = held_before_[i] != frame_.arena[program_.held_in_derivatives[i]];

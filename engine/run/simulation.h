@@ -22,6 +22,7 @@ struct SimulationOptions {
   double max_step = 0;         // s; 0: no limit (without states: (stop - start)/500)
   double output_interval = 0;  // s; > 0: rows on this grid only
   double event_tol = 0;        // s; 0: 10 * 128 * eps * max(1, |t|)
+  std::string zeno = "error";  // error, hold or ignore: when events of one function follow each other without end
   std::int64_t max_steps = 100'000'000;
   std::int64_t max_rows = 100'000'000;
   std::vector<double> sample_times;  // s; Recording::samples has all columns there, beside the rows
@@ -38,7 +39,8 @@ struct RunControl {
 struct RunStatistics {
   SolverStatistics solver;
   std::int64_t rows = 0, hits = 0, events = 0, mode_changes = 0;
-  std::string ended_by;  // path of the block that ended the run before its stop time; "": none did
+  std::string ended_by;               // path of the block that ended the run before its stop time; "": none did
+  std::vector<std::string> warnings;  // what the run went on in spite of
 };
 
 // Runs from the initial values to the stop time. `columns` name the Program's watches, in their order; rates index

@@ -1,16 +1,9 @@
-// The door to SUNDIALS: CVODE's Adams and BDF methods, one step at a time. The only file that includes SUNDIALS; it
-// knows versions 6 and 7.
+// The door to SUNDIALS' CVODE: its Adams and BDF methods, one step at a time.
 
 #include "engine/solve/cvode.h"
 
 #include <cvode/cvode.h>
 #include <fmt/format.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_types.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunlinsol/sunlinsol_klu.h>
-#include <sunmatrix/sunmatrix_dense.h>
-#include <sunmatrix/sunmatrix_sparse.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
@@ -21,57 +14,17 @@
 #include <stdexcept>
 
 #include "engine/solve/passes.h"
+#include "engine/solve/sundials.h"
 
 namespace plantloop {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr int widest_dense = 64;  // above this many states a sparse Jacobian pays
 
-// SUNDIALS' objects are freed in reverse order of their making, the context last.
-struct FreeContext {
-  void operator()(SUNContext context) const { SUNContext_Free(&context); }
-};
-struct FreeVector {
-  void operator()(N_Vector vector) const { N_VDestroy(vector); }
-};
-struct FreeMatrix {
-  void operator()(SUNMatrix matrix) const { SUNMatDestroy(matrix); }
-};
-struct FreeLinear {
-  void operator()(SUNLinearSolver solver) const { SUNLinSolFree(solver); }
-};
-struct FreeNonlinear {
-  void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
-};
 struct FreeMemory {
   void operator()(void* memory) const { CVodeFree(&memory); }
 };
-template <typename Pointer, typename Free>
-using Owned = std::unique_ptr<std::remove_pointer_t<Pointer>, Free>;
-
-#if SUNDIALS_VERSION_MAJOR >= 7
-void ignore_error(int, const char*, const char*, const char*, SUNErrCode, void*, SUNContext) {}
-#else
-void ignore_error(int, const char*, const char*, char*, void*) {}
-#endif
-
-// A context that never prints.
-Owned<SUNContext, FreeContext> make_context() {
-  SUNContext context = nullptr;
-#if SUNDIALS_VERSION_MAJOR >= 7
-  if (SUNContext_Create(SUN_COMM_NULL, &context) != 0) throw std::bad_alloc();
-  SUNContext_ClearErrHandlers(context);
-  SUNContext_PushErrHandler(context, ignore_error, nullptr);
-  SUNLogger logger = nullptr;
-  if (SUNContext_GetLogger(context, &logger) == 0 && logger) SUNLogger_SetWarningFilename(logger, "/dev/null");
-#else
-  if (SUNContext_Create(nullptr, &context) != 0) throw std::bad_alloc();
-#endif
-  return Owned<SUNContext, FreeContext>(context);
-}
-
 // The pattern with every diagonal entry, as I - gamma J has it, and where each entry of the system's pattern goes.
 struct Pattern {
   std::vector<sunindextype> column_start, row;

@@ -9,6 +9,7 @@
 #include "engine/solve/adaptive.h"
 #include "engine/solve/cvode.h"
 #include "engine/solve/fixed_step.h"
+#include "engine/solve/ida.h"
 #include "engine/solve/tableau.h"
 
 namespace plantloop {
@@ -21,6 +22,7 @@ const std::vector<SolverInfo>& solvers() {
     }
     const std::vector<SolverInfo>& more = cvode_solvers();
     all.insert(all.end(), more.begin(), more.end());
+    all.push_back(ida_solver());
     return all;
   }();
   return list;
@@ -32,6 +34,7 @@ std::unique_ptr<Integrator> make_integrator(OdeSystem& system, const SolverOptio
     if (tableau->adaptive()) return std::make_unique<Adaptive>(system, *tableau, options);
     throw std::invalid_argument(fmt::format("solver '{}' needs a step", options.solver));
   }
+  if (options.solver == ida_solver().name) return make_ida(system, options);
   return make_cvode(system, options);
 }
 

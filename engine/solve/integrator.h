@@ -33,6 +33,22 @@ class OdeSystem {
     (void)t;
     return nullptr;
   }
+  // The system as equations x' = f(t, x, z), 0 = g(t, x, z), where z are unknowns that `derivatives` finds by itself.
+  // How many there are; the values that satisfy g as last accepted; and those of an accepted step, to begin at.
+  virtual int algebraic_size() const { return 0; }
+  virtual const double* algebraic() { return nullptr; }
+  virtual void take_algebraic(const double* z) { (void)z; }
+  // f, then g, at (t, state(), z); valid until the next call.
+  virtual const double* equations(double t, const double* z) {
+    (void)z;
+    return derivatives(t);
+  }
+  // d(f, g)/d(x, z) at (t, state(), z); null: not available, the solver differences.
+  virtual const SparsityPattern* equations_pattern() const { return pattern(); }
+  virtual const double* equations_jacobian(double t, const double* z) {
+    (void)z;
+    return jacobian(t);
+  }
   // A whole fixed step of the named method from (t, state()) with size h, recorded as one Program: true when it was
   // done, and then state() holds x(t + h). `derivatives` need not have been called.
   virtual bool fixed_step(std::string_view method, double t, double h) {
@@ -42,7 +58,7 @@ class OdeSystem {
 };
 
 struct SolverOptions {
-  std::string solver = "dopri5";  // euler, heun, rk4, bogacki_shampine, dopri5, adams, bdf
+  std::string solver = "dopri5";  // euler, heun, rk4, bogacki_shampine, dopri5, adams, bdf, ida
   double start = 0, stop = 1;     // s; fixed-step methods use the grid start + k step
   double step = 0;                // > 0: fixed step (explicit methods); 0: adaptive
   double rtol = 1e-6, atol = 1e-9;
