@@ -11,6 +11,8 @@ std::string to_text(const FitReport& report) {
   if (report.iterations > 0) text += fmt::format("  iterations: {}\n", report.iterations);
   if (!report.stopped.empty()) text += fmt::format("  stopped: {}\n", report.stopped);
   if (report.seed != 0) text += fmt::format("  seed: {}\n", report.seed);
+  if (!report.options.empty()) text += fmt::format("  options: {}\n", fmt::join(report.options, ", "));
+  if (!report.data.empty()) text += fmt::format("  data: {}\n", report.data);
   for (const std::string& line : report.warnings) text += fmt::format("  warning: {}\n", line);
   return text;
 }
@@ -24,13 +26,16 @@ Item to_item(const FitReport& report) {
       .set("iterations", report.iterations)
       .set("stopped", report.stopped)
       .set("seed", report.seed)
+      .set("data", report.data)
+      .set("options", report.options)
       .set("tried", report.tried)
       .set("warnings", report.warnings);
   return item;
 }
 
 FitReport fit_report_of(const Item& item) {
-  item.only({"method", "samples", "parameters", "reached", "iterations", "stopped", "seed", "tried", "warnings"});
+  item.only({"method", "samples", "parameters", "reached", "iterations", "stopped", "seed", "data", "options", "tried",
+             "warnings"});
   FitReport report;
   report.method = item.text("method");
   report.samples = item.integer("samples");
@@ -39,6 +44,9 @@ FitReport fit_report_of(const Item& item) {
   report.iterations = item.integer("iterations");
   report.stopped = item.text("stopped");
   report.seed = static_cast<std::uint64_t>(item.integer("seed"));
+  // Files made by hand may leave these out.
+  if (item.has("data")) report.data = item.text("data");
+  if (item.has("options")) report.options = item.texts("options");
   report.tried = item.texts("tried");
   report.warnings = item.texts("warnings");
   return report;

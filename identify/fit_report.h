@@ -23,6 +23,8 @@ struct FitReport {
   std::string stopped;                // "the gradient vanished", "the limit of 100 iterations"
   std::vector<std::string> warnings;  // ill-conditioned, unexcited, unstable, ...
   std::uint64_t seed = 0;             // of random starts; 0: nothing is random
+  std::string data;                   // hash() of the data of the fit; "" when they are plain matrices
+  std::vector<std::string> options;   // what was asked for where it is not the default: "ridge 0.1"
 };
 
 // The lines for people, and the section `fit` of a model file and back.

@@ -53,11 +53,21 @@ std::string structure_name(const Orders& o) {
   return o.nc + o.nd == 0 ? "OE" : "BJ";
 }
 
+std::vector<std::string> options_of(const LinearOptions& options) {
+  const LinearOptions usual;
+  std::vector<std::string> list;
+  if (options.remove_means) list.emplace_back("remove_means");
+  if (options.ridge != usual.ridge) list.push_back(fmt::format("ridge {}", options.ridge));
+  if (options.iterations != usual.iterations) list.push_back(fmt::format("iterations {}", options.iterations));
+  return list;
+}
+
 PolynomialModel begin_model(const LinearTask& task) {
   PolynomialModel model = make_polynomial_model(task.orders, task.data, task.output);
   model.structure = structure_name(task.orders);
   model.u0 = task.u0;
   model.y0 = task.y0;
+  model.fit.data = task.hash;
   return model;
 }
 
@@ -76,6 +86,7 @@ PolynomialModel fit_arx(const LinearTask& task, const LinearOptions& options) {
   model.fit.parameters = task.orders.parameters();
   model.fit.reached = fit.sse / static_cast<double>(rows.y.size());
   model.fit.stopped = "solved directly";
+  model.fit.options = options_of(options);
   model.fit.warnings = fit.warnings;
   if (rows.left_out > 0) {
     model.fit.warnings.push_back(fmt::format("{} rows that touch missing values are left out", rows.left_out));

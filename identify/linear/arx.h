@@ -20,6 +20,8 @@ PolynomialModel fit_arx(const LinearTask& task, const LinearOptions& options);
 
 // The name of what orders make: FIR, ARX, ...
 std::string structure_name(const Orders& orders);
+// What was asked for where it is not the default.
+std::vector<std::string> options_of(const LinearOptions& options);
 // The model of a task with its operating point; all parameters 0.
 PolynomialModel begin_model(const LinearTask& task);
 

@@ -76,6 +76,7 @@ LinearTask prepare(const DataSet& data, Orders orders, const LinearOptions& opti
     fail("{} parameters cannot be estimated from {} samples", orders.parameters(), data.samples());
   }
   task.data = data;
+  task.hash = hash(data);
   task.orders = std::move(orders);
   task.u0 = Eigen::VectorXd::Zero(static_cast<Index>(inputs));
   if (!options.remove_means) return task;

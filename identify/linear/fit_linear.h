@@ -55,6 +55,7 @@ struct LinearTask {
   std::size_t output = 0;
   Eigen::VectorXd u0;
   double y0 = 0;
+  std::string hash;  // of the data as given
 };
 LinearTask prepare(const DataSet& data, Orders orders, const LinearOptions& options);
 

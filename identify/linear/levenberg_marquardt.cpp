@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <limits>
 
 #include "identify/error.h"
 
@@ -91,6 +92,18 @@ MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& sta
     }
   }
   return best;
+}
+
+MatrixXd covariance_of(const MatrixXd& J, double s2) {
+  const VectorXd scale = J.colwise().norm().cwiseMax(1e-300);
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(J * scale.cwiseInverse().asDiagonal());
+  if (qr.rank() < J.cols()) {
+    return MatrixXd(VectorXd::Constant(J.cols(), std::numeric_limits<double>::infinity()).asDiagonal());
+  }
+  const Index p = J.cols();
+  MatrixXd R_inverse = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>().solve(MatrixXd::Identity(p, p));
+  R_inverse = scale.cwiseInverse().asDiagonal() * (qr.colsPermutation() * R_inverse);
+  return s2 * R_inverse * R_inverse.transpose();
 }
 
 }  // namespace plantloop::identify

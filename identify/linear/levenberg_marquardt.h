@@ -37,4 +37,8 @@ MarquardtResult minimise_squares(const Residuals& residuals, const Eigen::Vector
                                  const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& project = {},
                                  const FitControl& control = {});
 
+// The covariance of parameters whose residuals have the variance s2 and this Jacobian: s2 (J'J)^-1; infinite on the
+// diagonal where J does not determine them.
+Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian, double s2);
+
 }  // namespace plantloop::identify

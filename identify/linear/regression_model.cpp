@@ -97,6 +97,9 @@ RegressionModel fit_regression(const DataSet& data, const RegressorSet& set, con
   m.fit.samples = r.X.rows();
   m.fit.parameters = m.theta.size();
   m.fit.stopped = "solved directly";
+  m.fit.data = hash(data);
+  if (options.ridge > 0) m.fit.options.push_back(fmt::format("ridge {}", options.ridge));
+  if (options.normalise) m.fit.options.emplace_back("normalise");
   if (r.left_out > 0)
     m.fit.warnings.push_back(fmt::format("{} rows that touch missing values are left out", r.left_out));
   for (const std::string& name : m.normalisation.constant)

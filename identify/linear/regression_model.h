@@ -22,7 +22,7 @@ struct RegressionModel {
   Normalisation normalisation;              // only then
   Eigen::MatrixXd theta;                    // regressors x outputs
   std::vector<Eigen::MatrixXd> covariance;  // of each output's parameters
-  Eigen::VectorXd variance;                 // of each output's one-step error, in the units of the regression
+  Eigen::VectorXd variance;                 // of each output's error that was fitted, in the units of the regression
   FitReport fit;
 };
 

@@ -176,19 +176,6 @@ void add_warnings(PolynomialModel& model, const MarquardtResult& best) {
   }
 }
 
-// s2 (J'J)^-1, infinite where J does not determine a parameter.
-MatrixXd covariance_of(const MatrixXd& J, double s2) {
-  const VectorXd scale = J.colwise().norm().cwiseMax(1e-300);
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(J * scale.cwiseInverse().asDiagonal());
-  if (qr.rank() < J.cols()) {
-    return MatrixXd(VectorXd::Constant(J.cols(), std::numeric_limits<double>::infinity()).asDiagonal());
-  }
-  const Index p = J.cols();
-  MatrixXd R_inverse = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>().solve(MatrixXd::Identity(p, p));
-  R_inverse = scale.cwiseInverse().asDiagonal() * (qr.colsPermutation() * R_inverse);
-  return s2 * R_inverse * R_inverse.transpose();
-}
-
 }  // namespace
 
 VectorXd prediction_errors(const PolynomialModel& model, const DataSet& data, MatrixXd* jacobian) {
@@ -237,6 +224,7 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
   model.fit.reached = best.sse / rows;
   model.fit.iterations = best.iterations;
   model.fit.stopped = best.stopped;
+  model.fit.options = options_of(options);
   add_warnings(model, best);
   return model;
 }

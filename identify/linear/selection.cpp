@@ -57,7 +57,7 @@ class FreeRunErrors {
     Index row = 0;
     for (const Experiment& e : data_.experiments) {
       MatrixXd y = e.y;
-      MatrixXd S = MatrixXd::Zero(J != nullptr ? e.samples() : 0, theta.size());
+      MatrixXd S = MatrixXd::Zero(theta.size(), J != nullptr ? e.samples() : 0);  // one column for each sample
       VectorXd slopes(lag_ + 1);
       for (Index k = lag_; k < e.samples(); ++k, ++row) {
         const VectorXd x = row_at(set_, e.u, y, k);
@@ -67,11 +67,11 @@ class FreeRunErrors {
         if (J == nullptr) continue;
         slopes.setZero();
         add_slopes(set_, theta, e.u, y, k, slopes);
-        S.row(k) = x.transpose();
+        S.col(k) = x;
         for (Index i = 1; i <= lag_; ++i) {
-          if (slopes[i] != 0) S.row(k) += slopes[i] * S.row(k - i);
+          if (slopes[i] != 0) S.col(k) += slopes[i] * S.col(k - i);
         }
-        J->row(row) = S.row(k);
+        J->row(row) = S.col(k).transpose();
       }
     }
     return errors;
@@ -180,6 +180,11 @@ void fit_free_run(RegressionModel& model, const DataSet& data, int iterations, c
                        {.iterations = iterations, .gradient = 1e-9, .step = 1e-11}, {}, control);
   const auto rows = static_cast<double>(best.residuals.size());
   model.theta.col(0) = best.theta;
+  const double freedom = rows - static_cast<double>(best.theta.size());
+  if (freedom > 0) {
+    model.variance[0] = best.sse / freedom;
+    model.covariance[0] = covariance_of(best.jacobian, model.variance[0]);
+  }
   model.fit.method = "least squares, then the free run by Levenberg-Marquardt";
   model.fit.reached = best.sse / rows;
   model.fit.iterations = best.iterations;
@@ -217,6 +222,8 @@ RegressionModel fit_selected(const DataSet& data, const RegressorSet& candidates
   if (all_diverge) best_count = std::min<std::size_t>(total, 3);
   RegressionModel model = fit_terms(data, first_terms(candidates, path, best_count), options, control);
   model.fit.tried = report.tried;
+  model.fit.options.push_back(fmt::format("most_terms {}", options.most_terms));
+  if (!options.simulation) model.fit.options.emplace_back("one step only");
   model.fit.method = "orthogonal least squares, then " + model.fit.method;
   if (all_diverge) model.fit.warnings.emplace_back("every choice of terms diverges in free run");
   return model;

@@ -152,6 +152,9 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
                   fmt::join(model.singular_values.head(std::min<Index>(12, model.singular_values.size())), ", ")));
   model.fit.samples = data.samples();
   model.fit.stopped = "solved directly";
+  model.fit.data = hash(given);
+  model.fit.options.push_back(fmt::format("block_rows {}", i));
+  if (options.remove_means) model.fit.options.emplace_back("remove_means");
   fit_inputs(model, data, options.feedthrough);
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
   control.step(1);

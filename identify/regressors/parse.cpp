@@ -116,11 +116,11 @@ class Parser {
     if (take('+')) stop(lag_at, "a regressor is of the past: k-1, not k+1");
     if (take('-')) {
       from = to = integer("a whole number of samples");
-      if (take('.')) {
-        expect('.', "'..' as in u(k-1..4)");
-        to = integer("the last lag of the range");
-        if (to < from) stop(lag_at, fmt::format("the range begins at {} and ends at {}", from, to));
-      }
+    }
+    if (take('.')) {
+      expect('.', "'..' as in u(k-1..4)");
+      to = integer("the last lag of the range");
+      if (to < from) stop(lag_at, fmt::format("the range begins at {} and ends at {}", from, to));
     }
     if (base.of_output && from == 0) stop(lag_at, "an output is a regressor from k-1 on; at k it is what is predicted");
     expect(')', "')'");

@@ -38,8 +38,8 @@ struct RegressorSet {
 };
 
 // Reads a list. A name is a signal's, or y, u (of the only one), y1, u2 ... (by number). `y(k-1..3)` stands for three
-// regressors; a product of ranges for all products; `1` for the constant. Raises IdentifyError with the place in the
-// text: unknown names, outputs at lag 0, regressors written twice.
+// regressors, `u(k..2)` for lags 0 to 2; a product of ranges for all products; `1` for the constant. Raises
+// IdentifyError with the place in the text: unknown names, outputs at lag 0, regressors written twice.
 RegressorSet parse_regressors(std::string_view text, const DataSet& data);
 RegressorSet parse_regressors(std::string_view text, std::vector<std::string> inputs, std::vector<std::string> outputs);
 

@@ -62,4 +62,31 @@ std::vector<Fold> shuffled_folds(Index rows, int folds, std::uint64_t seed) {
   return result;
 }
 
+std::vector<std::pair<DataSet, DataSet>> data_folds(const DataSet& data, int folds) {
+  check(data);
+  if (folds < 2) fail("data are cut into 2 folds or more, not into {}", folds);
+  std::vector<std::pair<DataSet, DataSet>> result;
+  for (Index f = 0; f < folds; ++f) {
+    DataSet train{data.Ts, data.inputs, data.outputs, {}};
+    DataSet test = train;
+    for (const Experiment& e : data.experiments) {
+      const Index begin = (f * e.samples() + folds - 1) / folds;
+      const Index end = ((f + 1) * e.samples() + folds - 1) / folds;
+      const auto add = [&](DataSet& to, Index from, Index until) {
+        if (until <= from) return;
+        to.experiments.push_back({e.name, e.start + static_cast<double>(from) * data.Ts,
+                                  e.u.middleRows(from, until - from), e.y.middleRows(from, until - from)});
+      };
+      add(train, 0, begin);
+      add(test, begin, end);
+      add(train, end, e.samples());
+    }
+    if (train.experiments.empty() || test.experiments.empty()) {
+      fail("{} samples are too few for {} folds", data.samples(), folds);
+    }
+    result.emplace_back(std::move(train), std::move(test));
+  }
+  return result;
+}
+
 }  // namespace plantloop::identify

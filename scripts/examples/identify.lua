@@ -68,16 +68,16 @@ local function identify_output(output)
 
   -- Linear: orders by a table of ARX structures, then output error around the best.
   local most = train.samples > 600 and 6 or 3
-  local ok, list = pcall(identify.order_table, train, {na = {1, most}, nb = {1, most}, delay = {0, 6}, remove_means = true, validation = held})
-  local na, nb, delay = 2, 2, 0
+  local ok, list = pcall(identify.order_table, train, {na = {1, most}, nb = {1, most}, delay = {-1, 6}, remove_means = true, validation = held})
+  local delay = 0
   if ok and inputs > 0 then
     for _, by in ipairs{"MDL", "simulated"} do
       local c = list.best[by]
       try(("ARX na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, by == "MDL" and by or "free run"),
           function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = c.delay, remove_means = true}) end)
     end
-    na, nb, delay = list.best.simulated.na, list.best.simulated.nb, list.best.simulated.delay
-    for _, nf in ipairs{1, 2, 3, 4} do
+    delay = list.best.simulated.delay
+    for nf = 1, 4 do
       try(("output error nb %d nf %d delay %d"):format(nf, nf, delay),
           function(d) return identify.oe(d, {nb = nf, nf = nf, delay = delay, remove_means = true}) end)
     end
@@ -86,24 +86,21 @@ local function identify_output(output)
   end
 
   -- Polynomial NARX: lags around those of the linear models, terms by orthogonal least squares, fitted to the free run.
-  local y_name = "y"
   local function lags(ny, first, last)
-    local text = ny > 0 and ("%s(k-1..%d)"):format(y_name, ny) or ""
+    local text = ny > 0 and ("y(k-1..%d)"):format(ny) or ""
     for i = 1, inputs do
       text = text .. (text == "" and "" or ", ") .. ("u%d(k-%d..%d)"):format(i, first, last)
     end
     return text
   end
-  local seen = {}
-  for _, ny in ipairs{1, 2, 3} do
-    for _, nu in ipairs{2, 4} do
-      local regressors = lags(ny, delay + 1, delay + nu)
+  for _, ny in ipairs{1, 2, 3, 4} do
+    for _, nu in ipairs{2, 4, 6} do
       for _, degree in ipairs{2, 3} do
-        local terms = ny + inputs * nu
-        if not seen[regressors .. degree] and (degree == 2 or terms <= 7) then
-          seen[regressors .. degree] = true
+        local signals = ny + inputs * nu
+        if degree == 2 and signals <= 24 or signals <= 8 then
           try(("polynomial NARX, degree %d, %d of y, %d of u"):format(degree, ny, nu), function(d)
-            return identify.polynomial(d, {regressors = regressors, degree = degree, most_terms = 20, iterations = 40})
+            return identify.polynomial(d, {regressors = lags(ny, delay + 1, delay + nu), degree = degree,
+                                           most_terms = 30, iterations = 40})
           end)
         end
       end

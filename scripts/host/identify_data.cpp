@@ -8,6 +8,7 @@
 #include "identify/data/data_csv.h"
 #include "identify/data/excitation.h"
 #include "identify/data/preprocess.h"
+#include "identify/validation/folds.h"
 #include "scripts/host/identify_objects.h"
 
 namespace plantloop::lua {
@@ -124,6 +125,21 @@ int split(lua_State* L) {
   push_data(L, first);
   push_data(L, second);
   return 2;
+}
+
+int folds(lua_State* L) {
+  const std::int64_t count = is_given(L, 2) ? integer_argument(L, 2, "count", 2, 1000) : 5;
+  lua_newtable(L);
+  lua_Integer at = 0;
+  for (auto& [train, test] : identify::data_folds(self(L), static_cast<int>(count))) {
+    lua_createtable(L, 0, 2);
+    push_data(L, std::move(train));
+    lua_setfield(L, -2, "train");
+    push_data(L, std::move(test));
+    lua_setfield(L, -2, "test");
+    lua_rawseti(L, -2, ++at);
+  }
+  return 1;
 }
 
 // From 1 and both ends included, as Lua counts.
@@ -275,6 +291,8 @@ Entries data_methods() {
   return {
       {"split", guarded<split>, "fraction: number", "pl.DataSet, pl.DataSet",
        "the first part of each experiment, and the rest"},
+      {"folds", guarded<folds>, "count?: integer", "{train: pl.DataSet, test: pl.DataSet}[]",
+       "contiguous folds for cross-validation; 5 unless told"},
       {"part", guarded<part>, "first: integer, last?: integer", "pl.DataSet",
        "samples first ... last of each experiment"},
       {"experiment", guarded<experiment>, "number: integer", "pl.DataSet", "one of the experiments"},

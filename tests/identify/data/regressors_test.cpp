@@ -24,6 +24,7 @@ TEST(Regressors, AreReadAndWrittenInOneForm) {
   EXPECT_EQ(shown("y(k-1), y( k - 2 ),u(k-3), u(k-1)^2, u(k-1)*y(k-1), 1, u(k)"),
             "y(k-1), y(k-2), u(k-3), u(k-1)^2, y(k-1)*u(k-1), 1, u(k)");
   EXPECT_EQ(shown("u(k-1..3)"), "u(k-1), u(k-2), u(k-3)");
+  EXPECT_EQ(shown("u(k..2)"), "u(k), u(k-1), u(k-2)");
   EXPECT_EQ(shown("y(k-1)*u(k-1..2)*u(k-1)"), "y(k-1)*u(k-1)^2, y(k-1)*u(k-1)*u(k-2)");
   EXPECT_EQ(shown("y2(k-1), flow(k-1), u2(k-1)", {"flow", "heat now"}, {"a", "b"}), "b(k-1), flow(k-1), u2(k-1)");
 }

@@ -40,6 +40,22 @@ TEST(Folds, BlocksAreThoseOfTheBookAndKeepTheirDistance) {
   }
 }
 
+TEST(Folds, OfDataTestEachSampleOnceAndKeepTheirTimes) {
+  const Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(23, 0, 22);
+  const auto folds = data_folds(make_data_set(y, y, 0.5), 4);
+  double sum = 0;
+  for (const auto& [train, test] : folds) {
+    EXPECT_EQ(train.samples() + test.samples(), 23);
+    const Experiment& tested = test.experiments[0];
+    EXPECT_EQ(tested.start, 0.5 * tested.y(0, 0));
+    for (const Experiment& e : train.experiments) {
+      EXPECT_TRUE(e.y.maxCoeff() < tested.y.minCoeff() || e.y.minCoeff() > tested.y.maxCoeff());
+    }
+    sum += tested.y.sum();
+  }
+  EXPECT_EQ(sum, y.sum());
+}
+
 TEST(Folds, RefuseMoreFoldsThanRows) {
   EXPECT_THROW(blocked_folds(3, 4), IdentifyError);
   EXPECT_THROW(shuffled_folds(3, 1, 1), IdentifyError);
