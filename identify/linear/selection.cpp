@@ -203,6 +203,7 @@ RegressionModel fit_selected(const DataSet& data, const RegressorSet& candidates
   FitReport report;
   std::size_t best_count = 0;
   double best_error = HUGE_VAL;
+  RegressionModel best;
   const std::size_t total = path.order.size();
   for (std::size_t count = 1; count <= total; ++count) {
     control.step(0.8 * static_cast<double>(count) / static_cast<double>(total));
@@ -216,11 +217,22 @@ RegressionModel fit_selected(const DataSet& data, const RegressorSet& candidates
     if (error < best_error) {
       best_error = error;
       best_count = count;
+      best = model;
     }
   }
   const bool all_diverge = best_count == 0;
   if (all_diverge) best_count = std::min<std::size_t>(total, 3);
   RegressionModel model = fit_terms(data, first_terms(candidates, path, best_count), options, control);
+  if (!all_diverge && options.simulation && data.missing() == 0) {
+    // The model that was chosen is a second start: the one-step fit to all data may diverge where that of a part did
+    // not.
+    fit_free_run(best, data, options.iterations, control);
+    if (free_run_error(best, data) < free_run_error(model, data)) {
+      best.fit.samples = model.fit.samples;
+      best.fit.data = model.fit.data;
+      model = std::move(best);
+    }
+  }
   model.fit.tried = report.tried;
   model.fit.options.push_back(fmt::format("most_terms {}", options.most_terms));
   if (!options.simulation) model.fit.options.emplace_back("one step only");

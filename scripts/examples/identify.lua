@@ -118,7 +118,11 @@ local function identify_output(output)
   print(("  best: %s, free run %.5g held back (standard deviation %.5g)"):format(best.what, best.held, pl.std(held.y)))
 
   -- The best structure again, by all data, is what is saved; the figures judge the one that has not seen what was held back.
-  local final = best.fit(data)
+  local fitted, final = pcall(best.fit, data)
+  if not fitted or judge(final, data) > 1.5 * math.max(best.train, best.held) then
+    print "  the fit to all data does not run freely as well: the model of the first part is saved"
+    final = best.model
+  end
   local stem = ("out/%s-%s"):format(name, label)
   final:save(stem .. ".yaml")
   print(("  written: %s.yaml, %s-validation.png, %s-residuals.png"):format(stem, stem, stem))
@@ -131,11 +135,11 @@ local function identify_output(output)
   figure:panel{y = "error", height = 0.5}:line(held.time, held.y - y, {color = "vermillion"})
   figure:save(stem .. "-validation.png")
 
-  local e = held.y - (best.model.predict and y)
-  pcall(function() e = held.y - best.model:predict(held, 1) end)
+  local has_predictor, predicted = pcall(function() return best.model:predict(held, 1) end)
+  local e = held.y - (has_predictor and predicted or y)
   local skip = math.min(scored_from, #e // 4)
   e = e:slice(skip + 1, #e)
-  figure = pl.figure{title = "Residuals of one step", x = "lag [samples]"}
+  figure = pl.figure{title = has_predictor and "Residuals of one step" or "Residuals of the free run", x = "lag [samples]"}
   local c = identify.autocorrelation(e)
   figure:panel{y = "e with e", limits = {-1, 1}, bands = {{lower = -c.band, upper = c.band}}}:line(c.lag, c.r, {style = "line_points"})
   for i = 1, inputs do

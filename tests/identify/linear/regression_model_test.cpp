@@ -74,6 +74,16 @@ TEST(Selection, FindsTheTermsOfTheProcess) {
   EXPECT_LT(root_mean_square_error(other.all_y().col(0), free_run(m, other)[0].col(0)), 0.01);
 }
 
+TEST(Selection, TheModelOfAllDataRunsFreelyWhereThatOfAPartDid) {
+  // Rich candidates and noisy measurements: one-step fits of some sizes diverge.
+  const RegressorSet rich = polynomial(parse_regressors("y(k-1..4), u(k..3)", {"u"}, {"y"}), 3);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const DataSet data = bilinear(300, 0, 0.15, 7 * seed);
+    const RegressionModel m = fit_selected(data, rich, {.most_terms = 30, .iterations = 20});
+    EXPECT_LT(root_mean_square_error(data.all_y().col(0), free_run(m, data)[0].col(0)), 0.3);
+  }
+}
+
 TEST(FreeRunFit, IsBetterInFreeRunThanOneStepWhereTheMeasurementIsNoisy) {
   const RegressorSet terms = parse_regressors("y(k-1), y(k-1)*u(k-1), u(k-2)^2", {"u"}, {"y"});
   double one = 0;
