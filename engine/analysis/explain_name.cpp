@@ -53,6 +53,12 @@ class Teller {
     std::string text = fmt::format("{}: {}{}\n", b.path, type, place(b.declaration->mark));
     if (b.type) text += fmt::format("  {}\n", b.type->summary);
     if (!b.declaration->doc.empty()) text += fmt::format("  {}\n", b.declaration->doc);
+    for (std::uint32_t a = b.activation; a != 0; a = graph_.activations[a].parent) {
+      const GraphActivation& activation = graph_.activations[a];
+      if (activation.enable_when)
+        text += fmt::format("  active: while {} > 0, '{}'{}\n", to_string(*activation.enable_when.code->tree),
+                            activation.path, place(activation.declaration->enable->mark));
+    }
     text += "  rate: " + in_words(graph_, b.type ? b.rate : graph_.nets[b.first_output].rate) + "\n";
     text += rate_reasons(graph_, index, "    ");
     for (std::uint32_t i = 0; i < b.inputs; ++i) {
@@ -132,6 +138,10 @@ class Teller {
         return "an output of a subsystem";
       case GraphNet::Kind::expression:
         return "an expression";
+      case GraphNet::Kind::copies:
+        return "the main outputs of a repeated block";
+      case GraphNet::Kind::member:
+        return "a signal of a bus";
     }
     return {};
   }

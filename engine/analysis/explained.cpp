@@ -89,6 +89,9 @@ std::string in_words(const Graph& graph, const GraphRate& rate) {
   if (rate.kind == GraphRate::Kind::constant) return "constant";
   if (rate.kind == GraphRate::Kind::continuous) return "continuous";
   const ClockRate& clock = graph.rates[rate.index];
+  if (clock.trigger != 0)
+    return fmt::format("triggered by {} ('{}')", to_string(*graph.activations[clock.trigger].trigger_when.code->tree),
+                       graph.activations[clock.trigger].path);
   std::string text = fmt::format("sampled every {} s", clock.period.to_double());
   if (!clock.offset.is_zero()) text += fmt::format(", first at {} s", clock.offset.to_double());
   return text;

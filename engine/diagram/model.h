@@ -48,6 +48,28 @@ struct ResetDecl {
   ExpressionPtr to;             // null: the initial value
 };
 
+// `enable: {when: cond, states: held, outputs: held, initial: 0}`, or only the condition.
+struct EnableDecl {
+  Mark mark;
+  ExpressionPtr when;  // active while greater than 0
+  bool resets_states = false, resets_outputs = false;
+  ExpressionPtr initial;  // what a block shows before its first activation; null when not given
+};
+
+// `trigger: {when: expr, edge: rising, initial: 0}`
+struct TriggerDecl {
+  Mark mark;
+  ExpressionPtr when;
+  std::string edge = "rising";  // rising, falling or either
+  ExpressionPtr initial;        // as in EnableDecl
+};
+
+// `first: {from: left}`: the wires of the first or last copy of a repeated block that stand in place of those of `in:`.
+struct EndDecl {
+  Mark mark;
+  std::vector<WireDecl> wires;
+};
+
 // One entry of `blocks:`. A text or a sequence is an expression block: type "expression", one wire.
 struct BlockDecl {
   std::string name;
@@ -60,7 +82,11 @@ struct BlockDecl {
   ExpressionPtr period, offset;  // of `rate:`, null where not given
   Mark rate_mark;
   std::optional<ResetDecl> reset;
-  std::optional<Node> enable, trigger, repeat, first, last;  // reserved: their issue defines them
+  std::optional<EnableDecl> enable;
+  std::optional<TriggerDecl> trigger;
+  ExpressionPtr repeat;  // how many copies; null: one that is not numbered
+  Mark repeat_mark;
+  std::optional<EndDecl> first, last;
   std::string doc, unit, label;
   bool zero_crossing = true;
   int priority = 0;

@@ -125,7 +125,7 @@ class BlockReader {
       block_.type = text();
       block_.type_mark = value.mark;
     } else if (key == "in") {
-      read_wires(value);
+      read_wires(value, block_.in);
     } else if (key == "rate") {
       read_rate(value, mark);
     } else if (key == "reset") {
@@ -147,19 +147,29 @@ class BlockReader {
       const long least = std::numeric_limits<int>::min();
       const long most = std::numeric_limits<int>::max();
       block_.priority = static_cast<int>(std::clamp(to_integer(value, key, report_).value_or(0), least, most));
+    } else if (key == "enable") {
+      read_enable(value, mark);
+    } else if (key == "trigger") {
+      read_trigger(value, mark);
+    } else if (key == "repeat") {
+      block_.repeat = parse_expression(value, report_);
+      block_.repeat_mark = mark;
     } else {
-      reserve(key, value);
+      std::optional<EndDecl>& end = key == "first" ? block_.first : block_.last;
+      end.emplace();
+      end->mark = mark;
+      read_wires(value, end->wires);
     }
   }
 
-  void read_wires(const Node& value) {
+  void read_wires(const Node& value, std::vector<WireDecl>& wires) {
     if (value.is_mapping()) {
       for (std::size_t i = 0; i < value.keys.size(); ++i) {
         WireDecl wire{.port = value.keys[i], .mark = value.key_marks[i], .items = {}, .is_sequence = false};
         if (value.items[i].kind == Node::Kind::null) {
           report_.error(wire.mark, "nothing is wired to '{}'", wire.port).named("missing-key");
         } else if (read_wire(value.items[i], wire, report_)) {
-          block_.in.push_back(std::move(wire));
+          wires.push_back(std::move(wire));
         }
       }
       return;
@@ -171,7 +181,7 @@ class BlockReader {
     }
     WireDecl wire;
     wire.mark = value.mark;
-    if (read_wire(value, wire, report_)) block_.in.push_back(std::move(wire));
+    if (read_wire(value, wire, report_)) wires.push_back(std::move(wire));
   }
 
   void read_rate(const Node& value, const Mark& mark) {
@@ -209,34 +219,30 @@ class BlockReader {
     if (reset.when) block_.reset = std::move(reset);
   }
 
-  // Keys that later work defines are kept; their form is checked now.
-  void reserve(const std::string& key, Node& value) {
-    if (key == "enable") {
-      if (value.is_mapping()) {
-        const Section section(value, "enable", {"when", "states", "outputs"}, report_);
-        if (section.require("when", value.mark, "enable: {when: armed > 0.5}")) section.expression("when");
-        section.choice("states", {"held", "reset"}, "held");
-        section.choice("outputs", {"held", "reset"}, "held");
-      } else {
-        parse_expression(value, report_);
-      }
-      block_.enable = std::move(value);
-    } else if (key == "trigger") {
-      const Section section(value, "a trigger", {"when", "edge"}, report_);
-      if (section.require("when", value.mark, "trigger: {when: clock > 0.5, edge: rising}")) section.expression("when");
-      section.choice("edge", {"rising", "falling", "either"}, "rising");
-      block_.trigger = std::move(value);
-    } else if (key == "repeat") {
-      parse_expression(value, report_);
-      block_.repeat = std::move(value);
+  void read_enable(const Node& value, const Mark& mark) {
+    EnableDecl enable;
+    enable.mark = mark;
+    if (value.is_mapping()) {
+      const Section section(value, "enable", {"when", "states", "outputs", "initial"}, report_);
+      if (section.require("when", value.mark, "enable: {when: armed > 0.5}")) enable.when = section.expression("when");
+      enable.resets_states = section.choice("states", {"held", "reset"}, "held") == "reset";
+      enable.resets_outputs = section.choice("outputs", {"held", "reset"}, "held") == "reset";
+      enable.initial = section.expression("initial");
     } else {
-      if (value.is_mapping()) {
-        for (const Node& item : value.items) parse_expression(item, report_);
-      } else {
-        parse_expression(value, report_);
-      }
-      (key == "first" ? block_.first : block_.last) = std::move(value);
+      enable.when = parse_expression(value, report_);
     }
+    if (enable.when) block_.enable = std::move(enable);
+  }
+
+  void read_trigger(const Node& value, const Mark& mark) {
+    const Section section(value, "a trigger", {"when", "edge", "initial"}, report_);
+    TriggerDecl trigger;
+    trigger.mark = mark;
+    if (section.require("when", value.mark, "trigger: {when: clock > 0.5, edge: rising}"))
+      trigger.when = section.expression("when");
+    trigger.edge = section.choice("edge", {"rising", "falling", "either"}, "rising");
+    trigger.initial = section.expression("initial");
+    if (trigger.when) block_.trigger = std::move(trigger);
   }
 
   Report& report_;

@@ -73,7 +73,7 @@ ExpressionPtr Elaboration::parse(const Node& node) {
 
 BoundExpression Elaboration::bind(const ExpressionPtr& tree, std::uint32_t scope) {
   if (!tree) return {};
-  return {g.codes.of(tree), 0, scope, tree->mark};
+  return {.code = g.codes.of(tree), .scope = scope, .mark = tree->mark};
 }
 
 std::string title_of(const Graph& graph, const GraphBlock& block) {
@@ -94,8 +94,8 @@ void read_overrides(Elaboration& e, const Overrides& overrides) {
     std::size_t at = 0;
     while (at <= kept.path.size()) {
       const std::size_t dot = std::min(kept.path.find('.', at), kept.path.size());
-      std::unique_ptr<OverrideNode>& child = node->children[kept.path.substr(at, dot - at)];
-      if (!child) child = std::make_unique<OverrideNode>();
+      std::shared_ptr<OverrideNode>& child = node->children[kept.path.substr(at, dot - at)];
+      if (!child) child = std::make_shared<OverrideNode>();
       node = child.get();
       at = dot + 1;
     }
@@ -206,31 +206,58 @@ void for_unused(const OverrideNode& node, const Say& say) {
   for (const auto& [key, child] : node.children) for_unused(*child, say);
 }
 
+// What is set below a block's name, of which `child` is the block; `s` is the scope around it.
+void report_unused_child(Elaboration& e, const OverrideNode& node, const std::string& name, std::uint32_t s,
+                         GraphChild child) {
+  if (child.kind == GraphChild::Kind::scope) return report_unused(e, node, child.index);
+  for (const auto& [part, below] : node.children) {
+    const std::string& parameter = part;
+    if (child.kind == GraphChild::Kind::block) {
+      for_unused(*below, [&](const OverrideNode& n) { report_block_path(e, n, parameter, e.g.blocks[child.index]); });
+    } else if (child.kind == GraphChild::Kind::bus) {
+      for_unused(*below, [&](const OverrideNode& n) {
+        const Mark mark{n.source.get(), 1, 1, static_cast<std::uint32_t>(n.given->path.size())};
+        e.findings.error(mark, "'{}' is a bus: it groups signals and has no parameters", name).named("set");
+      });
+    } else if (child.kind != GraphChild::Kind::repeat) {
+      for_unused(*below, [&](const OverrideNode& n) { report_path(e, n, name, s); });
+    }
+  }
+  if (child.kind != GraphChild::Kind::repeat) return;
+  // `cell.3.k` is of one copy, `cell.k` of all: the first one speaks for them.
+  const GraphRepeat& repeat = e.g.repeats[child.index];
+  OverrideNode of_all;
+  for (const auto& [part, below] : node.children) {
+    const long number = parse_integer(part).value_or(0);
+    if (number >= 1 && number <= static_cast<long>(repeat.count)) {
+      const std::uint32_t copy = repeat.first_copy + static_cast<std::uint32_t>(number) - 1;
+      report_unused_child(e, *below, name, s, e.g.copies[copy]);
+    } else if (is_digit(part[0])) {
+      for_unused(*below, [&](const OverrideNode& n) {
+        const Mark mark{n.source.get(), 1, 1, static_cast<std::uint32_t>(n.given->path.size())};
+        e.findings.error(mark, "there is no copy '{}.{}': '{}' is repeated {} times", name, part, name, repeat.count)
+            .named("set");
+      });
+    } else {
+      of_all.children.emplace(part, below);
+    }
+  }
+  report_unused_child(e, of_all, name, s, e.g.copies[repeat.first_copy]);
+}
+
 void report_unused(Elaboration& e, const OverrideNode& node, std::uint32_t s) {
   const GraphScope& scope = e.g.scopes[s];
   const TypeTable& table = e.table_of(*scope.type);
   for (const auto& [key, child] : node.children) {
-    const std::string& name = key;
-    if (child->given && !child->used) report_path(e, *child, name, s);
+    if (child->given && !child->used) report_path(e, *child, key, s);
     if (child->children.empty()) continue;
-    const auto found = table.names.find(name);
+    const auto found = table.names.find(key);
     GraphChild inner;
     if (found != table.names.end() && found->second.kind == TypeName::Kind::block) {
       inner = e.g.children[scope.first_child + found->second.index];
       if (inner.kind == GraphChild::Kind::bad) continue;
     }
-    if (inner.kind == GraphChild::Kind::scope) {
-      report_unused(e, *child, inner.index);
-    } else if (inner.kind == GraphChild::Kind::block) {
-      for (const auto& [part, below] : child->children) {
-        const std::string& parameter = part;
-        for_unused(*below, [&](const OverrideNode& n) { report_block_path(e, n, parameter, e.g.blocks[inner.index]); });
-      }
-    } else {
-      for (const auto& [part, below] : child->children) {
-        for_unused(*below, [&](const OverrideNode& n) { report_path(e, n, name, s); });
-      }
-    }
+    report_unused_child(e, *child, key, s, inner);
   }
 }
 
@@ -386,6 +413,7 @@ void show_default(Elaboration& e) {
   if (e.model.has_record || g.scopes.empty()) return;
   int count = 0;
   const auto add = [&](std::uint32_t net) {
+    if (g.nets[net].bus != nowhere) return;
     const int size = g.nets[net].shape.is_known() ? g.nets[net].shape.size() : 1;
     g.columns_cut |= count + size > most;
     if (g.columns_cut) return;
@@ -393,15 +421,21 @@ void show_default(Elaboration& e) {
     g.columns.push_back({path_of(g, g.nets[net]), nowhere, net});
   };
   const GraphScope& top = g.scopes[0];
-  for (std::size_t i = 0; i < top.type->blocks.size(); ++i) {
-    const GraphChild child = g.children[top.first_child + i];
+  const auto add_child = [&](const GraphChild& child, const auto& again) -> void {
     if (child.kind == GraphChild::Kind::block) {
       for (std::uint32_t k = 0; k < g.blocks[child.index].outputs; ++k) add(g.blocks[child.index].first_output + k);
     } else if (child.kind == GraphChild::Kind::scope) {
       for (std::uint32_t k = 0; k < g.scopes[child.index].type->outputs.size(); ++k)
         add(g.scopes[child.index].first_output + k);
+    } else if (child.kind == GraphChild::Kind::repeat) {
+      const GraphRepeat& repeat = g.repeats[child.index];
+      for (std::uint32_t k = 0; k < repeat.count; ++k) again(g.copies[repeat.first_copy + k], again);
+    } else if (child.kind == GraphChild::Kind::bus) {
+      const GraphBus& bus = g.buses[child.index];
+      for (std::uint32_t k = 0; k < bus.declaration->in.size(); ++k) add(bus.first_member + k);
     }
-  }
+  };
+  for (std::size_t i = 0; i < top.type->blocks.size(); ++i) add_child(g.children[top.first_child + i], add_child);
   if (g.columns_cut) {
     e.findings.note({}, "only the first {} columns are recorded: name what you want under record:", most)
         .named("columns");
@@ -509,6 +543,7 @@ void check_unused_types(Elaboration& e) {
   evaluate_parameters(alone);
   find_sizes(alone);
   Resets(alone).run();
+  check_activations(alone);
 }
 
 }  // namespace
@@ -526,6 +561,7 @@ std::shared_ptr<const Graph> elaborate(std::shared_ptr<const Model> model, const
   evaluate_parameters(e);
   find_sizes(e);
   Resets(e).run();
+  check_activations(e);
   find_rates(e);
   Showing(e).run();
   show_default(e);
@@ -562,6 +598,10 @@ std::string path_of(const Graph& graph, const GraphNet& net) {
       return join(graph.scopes[net.owner].path, graph.scopes[net.owner].type->inputs[net.port].name);
     case GraphNet::Kind::scope_output:
       return join(graph.scopes[net.owner].path, graph.scopes[net.owner].type->outputs[net.port].name);
+    case GraphNet::Kind::copies:
+      return graph.repeats[net.owner].path;
+    case GraphNet::Kind::member:
+      return join(graph.buses[net.owner].path, graph.buses[net.owner].declaration->in[net.port].port);
   }
   return {};
 }

@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -44,7 +45,7 @@ struct BlockTable {
 
 // The overrides as a tree by the parts of their paths.
 struct OverrideNode {
-  std::map<std::string, std::unique_ptr<OverrideNode>, std::less<>> children;
+  std::map<std::string, std::shared_ptr<OverrideNode>, std::less<>> children;  // shared with those of copies
   const Override* given = nullptr;
   std::shared_ptr<const Source> source;  // "theta.initial=1"
   bool used = false;
@@ -78,7 +79,9 @@ struct Elaboration {
   std::vector<std::uint32_t> parameter_order;                       // dependencies first
   std::vector<OverrideNode*> scope_overrides;                       // by scope; null: none below
   std::set<std::pair<const TypeDecl*, std::string>> unknown_names;  // said already
-  std::deque<BlockDecl> made_up;  // instances of types that are looked at on their own
+  std::deque<BlockDecl> made_up;            // instances of types that are looked at on their own
+  std::vector<BoundExpression> counts;      // numbers that the structure was made from, to be resolved
+  std::deque<OverrideNode> copy_overrides;  // what is set for all copies and for one of them
 
   const TypeTable& table_of(const TypeDecl& type);
   const BlockTable& table_of(const BlockType& type);
@@ -111,6 +114,15 @@ void resolve_names(Elaboration& e);  // what every name means
 void evaluate_parameters(Elaboration& e);
 void find_sizes(Elaboration& e);
 void find_rates(Elaboration& e);
+void check_activations(Elaboration& e);  // what is wrong with `enable:` and `trigger:`
+
+// How many copies of a block there are: a whole number of parameters around it, which have no values yet. Nothing after
+// reporting.
+std::optional<std::uint32_t> count_copies(Elaboration& e, const BlockDecl& decl, std::uint32_t scope);
+// What is set for copy `number` of a repeated block: `all` with its numbered part on top; null when nothing is.
+OverrideNode* overrides_of_copy(Elaboration& e, OverrideNode* all, std::uint32_t number);
+// The bus that a net stands for, or nowhere.
+void find_buses(Elaboration& e);
 
 // Binds the names of one expression; false after reporting that some mean nothing.
 bool resolve(Elaboration& e, BoundExpression& bound, Context context);

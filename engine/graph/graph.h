@@ -43,10 +43,10 @@ inline constexpr std::uint32_t nowhere = 0xffffffff;
 
 // What a name in an expression means at its place of use.
 struct Reference {
-  enum class Kind : std::uint8_t { missing, number, time, parameter, net };
+  enum class Kind : std::uint8_t { missing, number, time, parameter, net, elapsed };
   Kind kind = Kind::missing;
   bool whole = true;        // no element, no slice
-  std::uint32_t index = 0;  // of the parameter or net
+  std::uint32_t index = 0;  // of the parameter or net; of `elapsed`: into Graph::activations
   std::int32_t first = 0;   // element or first row, from 1; 0: all
   std::int32_t last = 0;    // last element of a slice; 0: no slice
   std::int32_t column = 0;  // second index of a matrix element; 0: none
@@ -58,6 +58,8 @@ struct BoundExpression {
   const Code* code = nullptr;         // null: none
   std::uint32_t first_reference = 0;  // of code->names.size() references
   std::uint32_t scope = 0;            // where its names were looked up
+  std::uint32_t repeat = nowhere;     // of a copy of a repeated block: into Graph::repeats
+  std::uint32_t copy = 0;             // and which one, from 1
   Mark mark;
   explicit operator bool() const { return code != nullptr; }
 };
@@ -93,19 +95,42 @@ struct GraphRate {
   friend bool operator==(const GraphRate&, const GraphRate&) = default;
 };
 struct ClockRate {
-  Rational period, offset;  // s
-  Mark mark;                // where it was first stated
+  Rational period, offset;    // s
+  Mark mark;                  // where it was first stated
+  std::uint32_t trigger = 0;  // it has hits when this activation is triggered, and no period; 0: a clock
+};
+
+struct GraphChild {
+  enum class Kind : std::uint8_t { bad, block, scope, repeat, bus };
+  Kind kind = Kind::bad;
+  std::uint32_t index = 0;
+};
+
+// A block or subsystem with `enable:` or `trigger:`, and all that is inside.
+struct GraphActivation {
+  std::string path;
+  const BlockDecl* declaration = nullptr;
+  std::uint32_t parent = 0;  // the one around it; 0: none
+  std::uint32_t scope = 0;   // where its conditions stand
+  GraphChild owner;
+  BoundExpression enable_when, trigger_when;
+  std::vector<BoundExpression> initials;  // by output: what it shows before the first activation
+  std::uint16_t rate = 0;                 // of a trigger: into Graph::rates
+  bool resets_outputs() const { return declaration->enable && declaration->enable->resets_outputs; }
+  bool resets_states() const { return declaration->enable && declaration->enable->resets_states; }
 };
 
 struct GraphNet {
-  enum class Kind : std::uint8_t { output, block_input, scope_input, scope_output, expression };
+  // `copies` is the vector of main outputs of a repeated block, `member` one signal of a bus.
+  enum class Kind : std::uint8_t { output, block_input, scope_input, scope_output, expression, copies, member };
   Kind kind = Kind::output;
   bool bad = false;
   bool by_parameter = false;    // an unwired input with a default, or one set like a parameter
   bool is_connected = true;     // false: an unwired input with its declared default
-  std::uint32_t owner = 0;      // block, or scope
+  std::uint32_t owner = 0;      // block, scope, repeat or bus
   std::uint32_t port = 0;       // which of its inputs or outputs
   std::uint32_t parameter = 0;  // when by_parameter
+  std::uint32_t bus = nowhere;  // stands for a whole bus: only its members are signals
   BoundExpression driver;       // when not an output of a block
   Shape shape = Shape::unknown();
   GraphRate rate;
@@ -118,6 +143,7 @@ struct GraphBlock {
   const BlockDecl* declaration = nullptr;
   const BlockType* type = nullptr;  // null: an expression block
   std::uint32_t scope = 0;
+  std::uint32_t activation = 0;   // that it runs under: its own, or that of the scope; 0: always
   std::uint32_t first_input = 0;  // nets; `inputs` of them, for a list port one per entry
   std::uint32_t inputs = 0;
   std::uint32_t first_output = 0;  // nets
@@ -134,10 +160,22 @@ struct GraphBlock {
   BoundExpression reset_when, reset_to;
 };
 
-struct GraphChild {
-  enum class Kind : std::uint8_t { bad, block, scope };
-  Kind kind = Kind::bad;
-  std::uint32_t index = 0;
+// A block with `repeat: n`: its copies stand next to each other among the children.
+struct GraphRepeat {
+  std::string path;
+  const BlockDecl* declaration = nullptr;
+  std::uint32_t scope = 0;
+  std::uint32_t first_copy = 0;  // into Graph::copies
+  std::uint32_t count = 0;
+  std::uint32_t net = nowhere;  // the vector of main outputs; nowhere: it has none
+};
+
+// `{type: bus, in: {ax: ..., ay: ...}}`: names for signals.
+struct GraphBus {
+  std::string path;
+  const BlockDecl* declaration = nullptr;
+  std::uint32_t scope = 0;
+  std::uint32_t first_member = 0;  // nets, as declaration->in
 };
 
 struct GraphScope {
@@ -152,6 +190,7 @@ struct GraphScope {
   std::uint32_t first_child = 0;      // as type->blocks
   bool plain = false;                 // zero_crossing: off, here or above
   std::uint16_t rate = 0;             // stated here or above; 0: none. Index into Graph::rates
+  std::uint32_t activation = 0;       // what all inside runs under
   BoundExpression reset_when, reset_to;
 };
 
@@ -170,6 +209,10 @@ struct Graph {
   CodeCache codes;
   std::vector<GraphScope> scopes;
   std::vector<GraphChild> children;
+  std::vector<GraphChild> copies;
+  std::vector<GraphRepeat> repeats;
+  std::vector<GraphBus> buses;
+  std::vector<GraphActivation> activations{1};  // 0 is unused; those around others come first
   std::vector<GraphBlock> blocks;
   std::vector<GraphNet> nets;
   std::vector<GraphParameter> parameters;
@@ -200,6 +243,9 @@ std::shared_ptr<const Graph> elaborate(std::shared_ptr<const Model> model, const
 // The full path of a net: "plant.ps", "plant.u", "error"; the first output of a block is its bare path.
 std::string path_of(const Graph& graph, const GraphNet& net);
 std::string path_of(const Graph& graph, const GraphParameter& parameter);
+// The activation that a net's value belongs to, and whether a reader under `inner` is inside of `outer`.
+std::uint32_t activation_of(const Graph& graph, const GraphNet& net);
+bool is_within(const Graph& graph, std::uint32_t inner, std::uint32_t outer);
 
 // The value of an expression over the diagram's parameters: numbers in `simulation`, `expect`, `figures`. Nothing after
 // reporting.

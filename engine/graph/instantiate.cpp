@@ -89,46 +89,156 @@ class Instantiation {
   }
 
   GraphChild add_child(std::uint32_t s, const BlockDecl& decl) {
+    if (decl.bad) return {};  // reading the file has reported it
+    if (decl.type == "bus" && !own_type(s, decl)) return add_bus(s, decl);
+    if (decl.repeat) return add_repeat(s, decl);
+    report_ends(decl);
+    return add_instance(s, decl);
+  }
+
+  GraphChild add_instance(std::uint32_t s, const BlockDecl& decl) {
     if (g_.scopes.size() + g_.blocks.size() > most_instances) {
       if (!too_many_) e_.findings.error(decl.mark, "this diagram has more than {} blocks", most_instances);
       too_many_ = true;
       return {};
     }
     if (decl.bad) return {};  // reading the file has reported it
-    const bool unbuilt = has_unbuilt_keys(decl);
     if (decl.expression) return add_expression(s, decl);
     if (decl.type.empty() || decl.type == "expression") return {};  // reading the file has reported it
-    const TypeDecl* own = nullptr;
-    if (const FileScope* file = g_.scopes[s].type->file) {
-      const auto found = file->types.find(decl.type);
-      if (found != file->types.end()) own = found->second.get();
+    if (const TypeDecl* own = own_type(s, decl)) {
+      if (own->bad) return {};  // reported too
+      return add_scope(s, decl, *own);
     }
-    if (own && own->bad) return {};  // reported too
-    if (own) return unbuilt ? GraphChild{} : add_scope(s, decl, *own);
-    if (const BlockType* built_in = find_block(decl.type))
-      return unbuilt ? GraphChild{} : add_block(s, decl, *built_in);
+    if (const BlockType* built_in = find_block(decl.type)) return add_block(s, decl, *built_in);
     report_unknown_type(s, decl);
     return {};
   }
 
-  // Keys that are reserved, whose meaning comes later.
-  bool has_unbuilt_keys(const BlockDecl& decl) {
-    const std::pair<const char*, const std::optional<Node>*> keys[] = {{"enable", &decl.enable},
-                                                                       {"trigger", &decl.trigger},
-                                                                       {"repeat", &decl.repeat},
-                                                                       {"first", &decl.first},
-                                                                       {"last", &decl.last}};
-    bool found = false;
-    for (const auto& [key, node] : keys) {
-      if (!node->has_value() || (node == &decl.first && found) || (node == &decl.last && found)) continue;
-      e_.findings.error((*node)->mark, "'{}' is not built yet", key).named("not-built");
-      found = true;
+  const TypeDecl* own_type(std::uint32_t s, const BlockDecl& decl) const {
+    const FileScope* file = g_.scopes[s].type->file;
+    if (!file) return nullptr;
+    const auto found = file->types.find(decl.type);
+    return found != file->types.end() ? found->second.get() : nullptr;
+  }
+
+  // What a block or subsystem runs under: the activation of its own keys, or that of what is around it.
+  std::uint32_t activation_of(std::uint32_t s, const BlockDecl& decl, GraphChild owner, const std::string& path) {
+    if (!decl.enable && !decl.trigger) return g_.scopes[s].activation;
+    GraphActivation made;
+    made.path = path;
+    made.declaration = &decl;
+    made.parent = g_.scopes[s].activation;
+    made.scope = s;
+    made.owner = owner;
+    if (decl.enable) made.enable_when = bind(decl.enable->when, s);
+    if (decl.trigger) made.trigger_when = bind(decl.trigger->when, s);
+    g_.activations.push_back(std::move(made));
+    return static_cast<std::uint32_t>(g_.activations.size() - 1);
+  }
+
+  // What the outputs of a block show before its first activation: one value for all of them.
+  void bind_initials(std::uint32_t s, const BlockDecl& decl, const GraphBlock& block) {
+    if (!decl.enable && !decl.trigger) return;
+    const ExpressionPtr& tree = decl.enable && decl.enable->initial ? decl.enable->initial
+                                : decl.trigger                      ? decl.trigger->initial
+                                                                    : decl.enable->initial;
+    for (std::uint32_t i = 0; i < block.outputs; ++i)
+      g_.activations[block.activation].initials.push_back(bind(tree, s));
+  }
+
+  // ---- copies and groups
+
+  void report_ends(const BlockDecl& decl) {
+    for (const auto* end : {&decl.first, &decl.last}) {
+      if (!*end) continue;
+      e_.findings
+          .error((*end)->mark, "'{}' is for a block that is repeated: '{}' has no `repeat`",
+                 end == &decl.first ? "first" : "last", decl.name)
+          .named("repeat");
     }
-    return found;
+  }
+
+  GraphChild add_repeat(std::uint32_t s, const BlockDecl& decl) {
+    const std::optional<std::uint32_t> count = count_copies(e_, decl, s);
+    if (!count) return {};
+    const auto index = static_cast<std::uint32_t>(g_.repeats.size());
+    const auto first = static_cast<std::uint32_t>(g_.copies.size());
+    g_.repeats.push_back({join_path(g_.scopes[s].path, decl.name), &decl, s, first, *count, nowhere});
+    g_.copies.resize(first + *count);
+    repeat_ = index;
+    for (copy_ = 1; copy_ <= *count; ++copy_) {
+      const GraphChild child = add_instance(s, decl);
+      g_.copies[first + copy_ - 1] = child;
+      if (child.kind == GraphChild::Kind::bad) break;
+    }
+    repeat_ = nowhere;
+    copy_ = 0;
+    if (g_.copies.back().kind == GraphChild::Kind::bad) return {};
+    if (has_output(g_.copies.back())) add_copies_net(s, decl, index, *count);
+    return {GraphChild::Kind::repeat, index};
+  }
+
+  bool has_output(const GraphChild& child) const {
+    return child.kind == GraphChild::Kind::scope ? !g_.scopes[child.index].type->outputs.empty()
+                                                 : g_.blocks[child.index].outputs > 0;
+  }
+
+  // `cell` alone: the vector of the copies' main outputs.
+  void add_copies_net(std::uint32_t s, const BlockDecl& decl, std::uint32_t repeat, std::uint32_t count) {
+    auto all = std::make_shared<Expression>();
+    all->kind = Expression::Kind::vector;
+    all->mark = decl.mark;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+      auto one = std::make_shared<Expression>();
+      one->kind = Expression::Kind::name;
+      one->mark = decl.mark;
+      one->parts = {decl.name, std::to_string(i)};
+      all->arguments.push_back(std::move(one));
+    }
+    g_.repeats[repeat].net = static_cast<std::uint32_t>(g_.nets.size());
+    GraphNet& net = g_.nets.emplace_back();
+    net.kind = GraphNet::Kind::copies;
+    net.owner = repeat;
+    net.driver = e_.bind(all, s);
+    net.mark = decl.mark;
+  }
+
+  GraphChild add_bus(std::uint32_t s, const BlockDecl& decl) {
+    bool sound = true;
+    const auto refuse = [&](const Mark& mark, std::string_view key) {
+      e_.findings.error(mark, "'{}' is a bus, which only groups signals: it has no '{}'", decl.name, key).named("bus");
+    };
+    for (const FieldDecl& field : decl.fields) refuse(field.mark, field.name);
+    if (decl.period) refuse(decl.rate_mark, "rate");
+    if (decl.reset) refuse(decl.reset->mark, "reset");
+    if (decl.enable) refuse(decl.enable->mark, "enable");
+    if (decl.trigger) refuse(decl.trigger->mark, "trigger");
+    if (decl.repeat) refuse(decl.repeat_mark, "repeat");
+    report_ends(decl);
+    for (const WireDecl& wire : decl.in) sound = sound && !wire.port.empty();
+    if (!sound || decl.in.empty()) {
+      e_.findings
+          .error(decl.in.empty() ? decl.mark : decl.in[0].mark, "the signals of the bus '{}' need names", decl.name)
+          .hint("write in: {ax: ..., ay: ...}")
+          .named("bus");
+      return {};
+    }
+    const auto index = static_cast<std::uint32_t>(g_.buses.size());
+    g_.buses.push_back({join_path(g_.scopes[s].path, decl.name), &decl, s, static_cast<std::uint32_t>(g_.nets.size())});
+    for (std::uint32_t i = 0; i < decl.in.size(); ++i) {
+      GraphNet& net = g_.nets.emplace_back();
+      net.kind = GraphNet::Kind::member;
+      net.owner = index;
+      net.port = i;
+      net.driver = bind(tree_of(decl.in[i]), s);
+      net.mark = decl.in[i].mark;
+      net.bad = !net.driver;
+    }
+    return {GraphChild::Kind::bus, index};
   }
 
   void report_unknown_type(std::uint32_t s, const BlockDecl& decl) {
-    for (const char* later : {"bus", "state_machine"}) {
+    for (const char* later : {"state_machine"}) {
       if (decl.type == later) {
         e_.findings.error(decl.type_mark, "the block type '{}' is not built yet", decl.type).named("not-built");
         return;
@@ -146,6 +256,7 @@ class Instantiation {
         e_.findings.error(decl.type_mark, "there is no block type '{}'", decl.type).named("unknown-type");
     std::vector<std::string> names;
     for (const BlockType& type : catalogue()) names.emplace_back(type.name);
+    names.emplace_back("bus");
     std::vector<std::string> own;
     if (const FileScope* file = g_.scopes[s].type->file) {
       for (const auto& [name, type] : file->types) own.push_back(name);
@@ -161,7 +272,7 @@ class Instantiation {
 
   GraphChild add_expression(std::uint32_t s, const BlockDecl& decl) {
     GraphBlock block;
-    block.path = join_path(g_.scopes[s].path, decl.name);
+    block.path = join_path(g_.scopes[s].path, name_of(decl));
     block.declaration = &decl;
     block.scope = s;
     block.first_output = static_cast<std::uint32_t>(g_.nets.size());
@@ -173,9 +284,11 @@ class Instantiation {
     GraphNet& net = g_.nets.emplace_back();
     net.kind = GraphNet::Kind::expression;
     net.owner = static_cast<std::uint32_t>(g_.blocks.size());
-    net.driver = e_.bind(decl.expression, s);
+    net.driver = bind(expression_of(decl), s);
     net.mark = decl.mark;
     net.unit = decl.unit;
+    block.activation = activation_of(s, decl, {GraphChild::Kind::block, net.owner}, block.path);
+    bind_initials(s, decl, block);
     g_.blocks.push_back(std::move(block));
     return {GraphChild::Kind::block, static_cast<std::uint32_t>(g_.blocks.size() - 1)};
   }
@@ -187,15 +300,15 @@ class Instantiation {
     check_type(type);
     const auto index = static_cast<std::uint32_t>(g_.scopes.size());
     GraphScope& made = g_.scopes.emplace_back();
-    made.path = join_path(g_.scopes[s].path, decl.name);
+    made.path = join_path(g_.scopes[s].path, name_of(decl));
     made.type = &type;
     made.declaration = &decl;
     made.parent = s;
     made.depth = g_.scopes[s].depth + 1;
     made.plain = g_.scopes[s].plain || !decl.zero_crossing;
+    made.activation = activation_of(s, decl, {GraphChild::Kind::scope, index}, made.path);
     bind_reset(s, decl, made.reset_when, made.reset_to);
-    OverrideNode* above = e_.scope_overrides[s];
-    OverrideNode* below = above ? above->find(decl.name) : nullptr;
+    OverrideNode* below = overrides_of(s, decl);
     e_.scope_overrides.push_back(below);
 
     const TypeTable& table = e_.table_of(type);
@@ -244,6 +357,8 @@ class Instantiation {
       net.port = static_cast<std::uint32_t>(i);
       net.mark = type.outputs[i].mark;
       net.driver = e_.bind(type.outputs[i].from, index);
+      if (decl.enable || decl.trigger)
+        g_.activations[g_.scopes[index].activation].initials.push_back(e_.bind(type.outputs[i].initial, index));
       net.bad = !net.driver;
     }
     return {GraphChild::Kind::scope, index};
@@ -308,7 +423,7 @@ class Instantiation {
     const auto index = static_cast<std::uint32_t>(g_.blocks.size());
     {
       GraphBlock& block = g_.blocks.emplace_back();
-      block.path = join_path(g_.scopes[s].path, decl.name);
+      block.path = join_path(g_.scopes[s].path, name_of(decl));
       block.declaration = &decl;
       block.type = &type;
       block.scope = s;
@@ -317,9 +432,9 @@ class Instantiation {
       block.first_shape = static_cast<std::uint32_t>(g_.state_shapes.size());
       g_.state_shapes.resize(g_.state_shapes.size() + kind.states.size() + kind.discretes.size(), Shape::unknown());
       bind_reset(s, decl, block.reset_when, block.reset_to);
+      block.activation = activation_of(s, decl, {GraphChild::Kind::block, index}, block.path);
     }
-    OverrideNode* above = e_.scope_overrides[s];
-    OverrideNode* below = above ? above->find(decl.name) : nullptr;
+    OverrideNode* below = overrides_of(s, decl);
 
     // Fields by what they set.
     const std::size_t numbers = kind.numbers.size(), tables = kind.tables.size(), counts = kind.counts.size();
@@ -393,6 +508,7 @@ class Instantiation {
       net.mark = decl.mark;
       net.unit = i == 0 && !decl.unit.empty() ? std::string_view(decl.unit) : kind.outputs_declared[i]->spec.unit;
     }
+    bind_initials(s, decl, g_.blocks[index]);
     return {GraphChild::Kind::block, index};
   }
 
@@ -536,7 +652,7 @@ class Instantiation {
       net.kind = GraphNet::Kind::block_input;
       net.owner = index;
       net.port = i;
-      net.driver = e_.bind(wire->items[i], s);
+      net.driver = bind(wire->items[i], s);
       net.bad = !net.driver;
       net.mark = net.driver ? net.driver.mark : decl.mark;
     }
@@ -559,26 +675,31 @@ class Instantiation {
     for (std::size_t i = 0; i < ports.size(); ++i) {
       if (!ports[i].has_default) open.push_back(i);
     }
-    for (const WireDecl& wire : decl.in) {
-      if (wire.port.empty()) {
-        if (open.size() == 1) {
-          wires[open[0]] = &wire;
-        } else if (open.empty() && ports.size() == 1) {
-          wires[0] = &wire;
-        } else {
-          report_ambiguous_wire(decl, type, wire, ports, open);
-          wrong = true;
+    const auto take = [&](const std::vector<WireDecl>& given) {
+      for (const WireDecl& wire : given) {
+        if (wire.port.empty()) {
+          if (open.size() == 1) {
+            wires[open[0]] = &wire;
+          } else if (open.empty() && ports.size() == 1) {
+            wires[0] = &wire;
+          } else {
+            report_ambiguous_wire(decl, type, wire, ports, open);
+            wrong = true;
+          }
+          continue;
         }
-        continue;
+        const auto port = std::find_if(ports.begin(), ports.end(), [&](const Port& p) { return p.name == wire.port; });
+        if (port == ports.end()) {
+          report_unknown_port(decl, type, wire, ports);
+          wrong = true;
+          continue;
+        }
+        wires[static_cast<std::size_t>(port - ports.begin())] = &wire;
       }
-      const auto port = std::find_if(ports.begin(), ports.end(), [&](const Port& p) { return p.name == wire.port; });
-      if (port == ports.end()) {
-        report_unknown_port(decl, type, wire, ports);
-        wrong = true;
-        continue;
-      }
-      wires[static_cast<std::size_t>(port - ports.begin())] = &wire;
-    }
+    };
+    take(decl.in);
+    if (is_first() && decl.first) take(decl.first->wires);
+    if (is_last() && decl.last) take(decl.last->wires);
     for (std::size_t i = 0; i < ports.size(); ++i) {
       const FieldDecl* field = i < fields.size() ? fields[i] : nullptr;
       if (field && wires[i]) {
@@ -672,23 +793,54 @@ class Instantiation {
         .named("unconnected");
   }
 
+  // In a copy of a repeated block, what stands around it knows the copy's number; defaults inside its type do not.
+  BoundExpression bind(const ExpressionPtr& tree, std::uint32_t scope) {
+    BoundExpression bound = e_.bind(tree, scope);
+    if (repeat_ != nowhere && scope == g_.repeats[repeat_].scope) bound.repeat = repeat_, bound.copy = copy_;
+    return bound;
+  }
+
+  std::string name_of(const BlockDecl& decl) const {
+    return copy_ == 0 ? decl.name : fmt::format("{}.{}", decl.name, copy_);
+  }
+
+  OverrideNode* overrides_of(std::uint32_t s, const BlockDecl& decl) {
+    OverrideNode* above = e_.scope_overrides[s];
+    OverrideNode* below = above ? above->find(decl.name) : nullptr;
+    return copy_ == 0 ? below : overrides_of_copy(e_, below, copy_);
+  }
+
+  bool is_first() const { return copy_ == 1; }
+  bool is_last() const { return copy_ != 0 && copy_ == g_.repeats[repeat_].count; }
+
+  // What an expression block computes; at an end, what stands there instead.
+  ExpressionPtr expression_of(const BlockDecl& decl) {
+    const EndDecl* end = is_first() && decl.first ? &*decl.first : is_last() && decl.last ? &*decl.last : nullptr;
+    if (!end || end->wires.empty()) return decl.expression;
+    if (end->wires[0].port.empty()) return tree_of(end->wires[0]);
+    e_.findings.error(end->wires[0].mark, "'{}' is an expression and has no input '{}'", decl.name, end->wires[0].port)
+        .hint("write the expression that the end has instead: first: 0")
+        .named("repeat");
+    return nullptr;
+  }
+
   // What feeds an input: a wire, a value given like a parameter, or the default, whose names belong to `default_scope`.
   void drive(GraphNet& net, std::uint32_t outside, const WireDecl* wire, const FieldDecl* field,
              const ExpressionPtr& fallback, std::uint32_t default_scope, OverrideNode* below, std::string_view name) {
     OverrideNode* given = below ? below->find(name) : nullptr;
     if (given && given->given && fallback) {
       if (const ExpressionPtr tree = parse_override(*given)) {
-        net.driver = e_.bind(tree, outside);
+        net.driver = bind(tree, outside);
         net.mark = net.driver.mark;
       }
       net.bad = !net.driver;
       return;
     }
     if (wire) {
-      net.driver = e_.bind(tree_of(*wire), outside);
+      net.driver = bind(tree_of(*wire), outside);
       if (net.driver) net.mark = net.driver.mark;
     } else if (field) {
-      net.driver = e_.bind(e_.parse(field->value), outside);
+      net.driver = bind(e_.parse(field->value), outside);
       net.mark = field->mark;
     } else if (fallback) {
       net.driver = e_.bind(fallback, default_scope);
@@ -745,7 +897,7 @@ class Instantiation {
         if (!tree) break;
       }
     }
-    g_.parameters[index].expression = e_.bind(tree, scope);
+    g_.parameters[index].expression = bind(tree, scope);
     g_.parameters[index].bad = tree == nullptr;
   }
 
@@ -772,8 +924,8 @@ class Instantiation {
 
   void bind_reset(std::uint32_t s, const BlockDecl& decl, BoundExpression& when, BoundExpression& to) {
     if (!decl.reset) return;
-    when = e_.bind(decl.reset->when, s);
-    to = e_.bind(decl.reset->to, s);
+    when = bind(decl.reset->when, s);
+    to = bind(decl.reset->to, s);
   }
 
   void report_unknown_field(const BlockDecl& decl, const FieldDecl& field, std::string_view type,
@@ -794,7 +946,7 @@ class Instantiation {
 
   void check_type(const TypeDecl& type) {
     if (!checked_.insert(&type).second) return;
-    if (type.file && type.name.size() && find_block(type.name)) {
+    if (type.file && type.name.size() && (find_block(type.name) || type.name == "bus")) {
       e_.findings.error(type.mark, "'{}' is the name of a built-in block type", type.name).named("built-in-type");
     }
   }
@@ -802,6 +954,7 @@ class Instantiation {
   Elaboration& e_;
   Graph& g_;
   bool too_many_ = false;
+  std::uint32_t repeat_ = nowhere, copy_ = 0;  // the copy in hand
   std::vector<const FieldDecl*> fields_, input_fields_;
   std::vector<Port> ports_;
   std::vector<const WireDecl*> wires_;

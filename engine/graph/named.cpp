@@ -42,6 +42,14 @@ Named named_of_block(const Graph& graph, std::uint32_t index, std::string_view r
   return {};
 }
 
+Named named_of_bus(const Graph& graph, const GraphBus& bus, std::string_view rest) {
+  for (std::uint32_t i = 0; i < bus.declaration->in.size(); ++i) {
+    if (bus.declaration->in[i].port == rest && graph.nets[bus.first_member + i].bus == nowhere)
+      return {Named::Kind::net, bus.first_member + i};
+  }
+  return {};
+}
+
 // The names of an expression over parameters, looked up by path.
 class PathNames final : public Names {
  public:
@@ -115,12 +123,23 @@ Named find_named(const Graph& graph, std::string_view path) {
       if (const auto i = index_of(type.outputs, head); i != nowhere) return {Named::Kind::net, scope.first_output + i};
     }
     if (const auto i = index_of(type.blocks, head); i != nowhere) {
-      const GraphChild child = graph.children[scope.first_child + i];
-      if (child.kind == GraphChild::Kind::block) return named_of_block(graph, child.index, rest);
+      GraphChild child = graph.children[scope.first_child + i];
+      std::string_view inside = rest;
+      if (child.kind == GraphChild::Kind::repeat) {
+        const GraphRepeat& repeat = graph.repeats[child.index];
+        if (rest.empty()) return repeat.net != nowhere ? Named{Named::Kind::net, repeat.net} : Named{};
+        const std::size_t end = std::min(rest.find('.'), rest.size());
+        const long number = parse_integer(rest.substr(0, end)).value_or(0);
+        if (number < 1 || number > static_cast<long>(repeat.count)) return {};
+        child = graph.copies[repeat.first_copy + static_cast<std::uint32_t>(number) - 1];
+        inside = end < rest.size() ? rest.substr(end + 1) : std::string_view();
+      }
+      if (child.kind == GraphChild::Kind::bus) return named_of_bus(graph, graph.buses[child.index], inside);
+      if (child.kind == GraphChild::Kind::block) return named_of_block(graph, child.index, inside);
       if (child.kind == GraphChild::Kind::bad) return {};
-      if (rest.empty()) return {Named::Kind::scope, child.index};
+      if (inside.empty()) return {Named::Kind::scope, child.index};
       s = child.index;
-      path = rest;
+      path = inside;
       continue;
     }
     if (!rest.empty()) return {};

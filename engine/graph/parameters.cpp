@@ -223,7 +223,8 @@ class Evaluation final : public Checking {
       const double v = p.value[i].number();
       std::string must;
       if (v < p.min) must = fmt::format("must be at least {}{}", shortest(p.min), unit);
-      if (v <= p.above && p.above != -unbounded) must = fmt::format("must be greater than {}{}", shortest(p.above), unit);
+      if (v <= p.above && p.above != -unbounded)
+        must = fmt::format("must be greater than {}{}", shortest(p.above), unit);
       if (v > p.max) must = fmt::format("must be at most {}{}", shortest(p.max), unit);
       if (p.ascending && i > 0 && !(v > before)) {
         must = fmt::format("must ascend: element {} must be greater than {}", i + 1, shortest(before));
@@ -253,6 +254,7 @@ class Evaluation final : public Checking {
 
   // Numbers that sizes depend on: zeros(n) anywhere.
   void mark_sizes() {
+    for (const BoundExpression& count : e_.counts) mark_structural(g_, count, 2);
     const auto visit = [this](const BoundExpression& bound) {
       if (!bound || !bound.code->has_sizes) return;
       for (std::size_t i = 0; i < bound.code->steps.size(); ++i) {

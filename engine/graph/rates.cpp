@@ -4,6 +4,7 @@
 // depend on the order of visits. Sources are decided last, all at once, by what reads them.
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -45,15 +46,20 @@ class RateFinding {
     for (std::uint32_t s = 0; s < g_.scopes.size(); ++s) {
       GraphScope& scope = g_.scopes[s];
       if (scope.parent == nowhere) continue;
-      scope.rate = scope.declaration->period ? stated(*scope.declaration, scope.parent) : g_.scopes[scope.parent].rate;
+      const std::uint16_t around = g_.scopes[scope.parent].rate;
+      const bool own = scope.declaration->trigger || scope.declaration->period;
+      scope.rate = own ? own_rate(*scope.declaration, scope.parent, scope.activation, around) : around;
     }
     stated_.assign(g_.blocks.size(), 0);
     for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) {
       GraphBlock& block = g_.blocks[i];
       const BlockDecl& decl = *block.declaration;
-      stated_[i] = decl.period ? stated(decl, block.scope) : g_.scopes[block.scope].rate;
-      block.bad |= decl.period && stated_[i] == 0;  // reported
-      if (stated_[i] != 0) block.rate_reason = decl.period ? "stated" : "of the subsystem around it";
+      const std::uint16_t around = g_.scopes[block.scope].rate;
+      const bool own = decl.trigger || decl.period;
+      stated_[i] = own ? own_rate(decl, block.scope, block.activation, around) : around;
+      block.bad |= own && stated_[i] == 0;  // reported
+      if (stated_[i] != 0)
+        block.rate_reason = decl.trigger ? "of its trigger" : decl.period ? "stated" : "of the subsystem around it";
       take_own_period(i);
     }
   }
@@ -82,6 +88,31 @@ class RateFinding {
     }
   }
 
+  // The rate of `trigger:` or `rate:`; 0 after reporting.
+  std::uint16_t own_rate(const BlockDecl& decl, std::uint32_t scope, std::uint32_t activation, std::uint16_t around) {
+    if (decl.trigger && decl.period) {
+      e_.findings.error(decl.rate_mark, "'{}' runs when it is triggered: it cannot have a rate too", decl.name)
+          .also(decl.trigger->mark, "its trigger")
+          .named("rate");
+      return 0;
+    }
+    if (around != 0 && g_.rates[around].trigger != 0) {
+      e_.findings
+          .error(decl.trigger ? decl.trigger->mark : decl.rate_mark,
+                 "'{}' stands inside '{}', which runs when it is triggered: it cannot have a {} of its own", decl.name,
+                 g_.activations[g_.rates[around].trigger].path, decl.trigger ? "trigger" : "rate")
+          .named("rate");
+      return 0;
+    }
+    if (!decl.trigger) return stated(decl, scope);
+    if (g_.rates.size() > 60000) {
+      e_.findings.error(decl.trigger->mark, "a diagram may have up to 60000 different rates");
+      return 0;
+    }
+    g_.rates.push_back({{}, {}, decl.trigger->mark, activation});
+    return g_.activations[activation].rate = static_cast<std::uint16_t>(g_.rates.size() - 1);
+  }
+
   // The number of a declared rate; 0 after reporting.
   std::uint16_t stated(const BlockDecl& decl, std::uint32_t scope) {
     const std::optional<Rational> period = exact(decl.period, scope, "period");
@@ -103,13 +134,14 @@ class RateFinding {
 
   std::uint16_t number_of(const Rational& period, const Rational& offset, const Mark& mark) {
     for (std::size_t i = 1; i < g_.rates.size(); ++i) {
-      if (g_.rates[i].period == period && g_.rates[i].offset == offset) return static_cast<std::uint16_t>(i);
+      const ClockRate& known = g_.rates[i];
+      if (known.trigger == 0 && known.period == period && known.offset == offset) return static_cast<std::uint16_t>(i);
     }
     if (g_.rates.size() > 60000) {
       e_.findings.error(mark, "a diagram may have up to 60000 different rates");
       return 0;
     }
-    g_.rates.push_back({period, offset, mark});
+    g_.rates.push_back({period, offset, mark, 0});
     return static_cast<std::uint16_t>(g_.rates.size() - 1);
   }
 
@@ -214,6 +246,9 @@ class RateFinding {
     return is_faster(b.index, a.index) ? b : a;
   }
   bool is_faster(std::uint16_t a, std::uint16_t b) const {
+    const std::uint32_t ta = g_.rates[a].trigger, tb = g_.rates[b].trigger;
+    if (ta != 0 && tb != 0) return g_.activations[ta].path < g_.activations[tb].path;
+    if (ta != 0 || tb != 0) return tb != 0;
     const int order = compare(g_.rates[a].period, g_.rates[b].period);
     return order != 0 ? order < 0 : g_.rates[a].offset < g_.rates[b].offset;
   }
@@ -223,6 +258,7 @@ class RateFinding {
     for (std::size_t i = 0; i < bound.code->names.size(); ++i) {
       const Reference& r = g_.references[bound.first_reference + i];
       if (r.kind == Reference::Kind::time) return {GraphRate::Kind::continuous, 0};
+      if (r.kind == Reference::Kind::elapsed) rate = combine(rate, clock(g_.activations[r.index].rate));
       if (r.kind == Reference::Kind::net) rate = combine(rate, g_.nets[r.index].rate);
     }
     return rate;
@@ -320,19 +356,28 @@ class RateFinding {
   void verify() {
     for (std::uint32_t i = 0; i < nets_; ++i) {
       GraphNet& net = g_.nets[i];
-      if (net.kind == GraphNet::Kind::block_input || net.bad || !net.driver || net.by_parameter) continue;
-      const bool is_stated =
-          net.kind == GraphNet::Kind::expression ? stated_[net.owner] != 0 : g_.scopes[net.owner].rate != 0;
+      if (net.bad || !net.driver || net.by_parameter) continue;
+      const bool of_scope = net.kind == GraphNet::Kind::scope_input || net.kind == GraphNet::Kind::scope_output;
+      const bool is_stated = net.kind == GraphNet::Kind::expression    ? stated_[net.owner] != 0
+                             : net.kind == GraphNet::Kind::block_input ? decides_itself(net.owner)
+                             : of_scope                                ? g_.scopes[net.owner].rate != 0
+                                                                       : net.kind == GraphNet::Kind::copies;
       if (!is_stated && net.rate.kind == GraphRate::Kind::discrete) {
         std::vector<std::uint32_t> inputs;
         for (std::size_t k = 0; k < net.driver.code->names.size(); ++k) {
           const Reference& r = g_.references[net.driver.first_reference + k];
           if (r.kind == Reference::Kind::net) inputs.push_back(r.index);
         }
-        verify_mixture(inputs, net.rate.index, net.mark, path_of(g_, net));
+        const bool of_block = net.kind == GraphNet::Kind::block_input;
+        verify_mixture(inputs, net.rate.index, net.mark, of_block ? g_.blocks[net.owner].path : path_of(g_, net));
       }
     }
     for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) verify_block(i);
+  }
+
+  // Whether a block samples or holds what it reads by a rate of its own.
+  bool decides_itself(std::uint32_t index) const {
+    return stated_[index] != 0 || g_.blocks[index].type->block->rate_kind() == RateKind::continuous;
   }
 
   // Rule (d).
@@ -344,15 +389,43 @@ class RateFinding {
       const ClockRate& fast = g_.rates[fastest];
       const ClockRate& slow = g_.rates[rate.index];
       const std::optional<Rational> shift = subtract(slow.offset, fast.offset);
-      if (divides(fast.period, slow.period) && shift && divides(fast.period, *shift)) continue;
+      const bool clocks = fast.trigger == 0 && slow.trigger == 0;
+      if (clocks && divides(fast.period, slow.period) && shift && divides(fast.period, *shift)) continue;
       e_.findings.error(mark, "'{}' reads signals of mixed rates: {} and {}", name, text_of(fast), text_of(slow))
           .also(slow.mark, fmt::format("{}, for '{}'", text_of(slow), path_of(g_, g_.nets[net])))
-          .hint(fmt::format("give '{}' a rate: of its own, or put a zero_order_hold in between", name))
+          .hint(suggested_rate(fast, slow, name))
           .named("mixed-rates");
       return;
     }
   }
-  static std::string text_of(const ClockRate& rate) {
+  // At the greatest common divisor every change of both is seen.
+  static std::string suggested_rate(const ClockRate& fast, const ClockRate& slow, const std::string& name) {
+    const std::string other = "put a zero_order_hold or rate_transition with a rate in between";
+    if (fast.trigger != 0 || slow.trigger != 0) return fmt::format("give '{}' a rate of its own, or {}", name, other);
+    std::optional<Rational> common = gcd(fast.period, slow.period);
+    const std::optional<Rational> shift = subtract(slow.offset, fast.offset);
+    if (common && shift && !shift->is_zero()) common = gcd(*common, *shift);
+    if (!common) return fmt::format("give '{}' a rate of its own, or {}", name, other);
+    const auto text = [](const Rational& r) {
+      std::string decimal = shortest(r.to_double());
+      const std::optional<Rational> again = Rational::from_text(decimal);
+      return again && *again == r ? decimal : r.to_string();
+    };
+    std::string rate = text(*common);
+    if (!fast.offset.is_zero()) {
+      // Hits before the first of both are not needed; the remainder lies on the same grid.
+      Rational offset = fast.offset;
+      const double turns = std::floor(offset.to_double() / common->to_double());
+      const std::optional<Rational> whole = Rational::make(static_cast<std::int64_t>(turns));
+      const std::optional<Rational> product = whole ? multiply(*common, *whole) : std::nullopt;
+      if (product) offset = subtract(offset, *product).value_or(offset);
+      if (!offset.is_zero()) rate = fmt::format("{{period: {}, offset: {}}}", rate, text(offset));
+    }
+    return fmt::format("give '{}' a rate of its own, rate: {} sees every change of both; or {}", name, rate, other);
+  }
+
+  std::string text_of(const ClockRate& rate) const {
+    if (rate.trigger != 0) return fmt::format("the trigger of '{}'", g_.activations[rate.trigger].path);
     const std::string period = shortest(rate.period.to_double()) + " s";
     return rate.offset.is_zero() ? period
                                  : fmt::format("{} with offset {} s", period, shortest(rate.offset.to_double()));
@@ -368,6 +441,8 @@ class RateFinding {
       Finding& finding =
           decl.period
               ? e_.findings.error(decl.rate_mark, "{} is continuous: it cannot run at a rate", title_of(g_, block))
+          : g_.rates[stated_[index]].trigger != 0
+              ? e_.findings.error(decl.mark, "{} is continuous: it cannot run at {}", title_of(g_, block), rate)
               : e_.findings.error(decl.mark, "{} is continuous: it cannot stand inside a subsystem that runs every {}",
                                   title_of(g_, block), rate);
       if (block.type->name == "integrator") finding.hint("the sampled one is discrete_integrator");

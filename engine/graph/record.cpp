@@ -99,10 +99,14 @@ class GraphRecording {
   RecordedGraph run() {
     add_rates();
     block_states_.resize(g_.blocks.size());
+    record_conditions();
     for (const std::uint32_t s : g_.scope_order) record_scope(s);
+    record_buses_and_copies();
     for (const std::uint32_t b : g_.order) record_block(b);
     for (const std::uint32_t b : g_.order) record_reset(b);
     for (const std::uint32_t s : g_.scope_order) record_scope_reset(s);
+    record_activation_jumps();
+    enter(0);
     recorder_.rate = 0;
     recorder_.plain = false;
     list_signals();
@@ -121,6 +125,37 @@ class GraphRecording {
       net_state_[index] = wired;
     }
     return net_values_[index];
+  }
+
+  // The same for a reader that need not be active when the net's block is: what that block showed last.
+  const Array& value_seen(std::uint32_t index) {
+    if (g_.activations.size() == 1) return value_of_net(index);
+    const std::uint32_t own = activation_of(g_, g_.nets[index]);
+    if (is_within(g_, reader_, own)) return value_of_net(index);
+    const auto known = seen_.find(index);
+    return known != seen_.end() ? known->second : seen_.emplace(index, held_outside(index, own)).first->second;
+  }
+
+  // The time since the last trigger, at its hits.
+  Value elapsed(std::uint32_t activation) {
+    const auto known = elapsed_.find(activation);
+    if (known != elapsed_.end()) return known->second;
+    const Stamp stamp(*this, 0, rate_of({GraphRate::Kind::discrete, g_.activations[activation].rate}));
+    RecordedDiscrete last;
+    last.name = g_.activations[activation].path + ".triggered";
+    last.site = recorder_.site;
+    last.rate = recorder_.rate;
+    last.initial = last.next = recorder_.time();
+    last.unit = "s";
+    recorder_.record.discretes.push_back(std::move(last));
+    const Value before = recorder_.discrete(static_cast<std::uint32_t>(recorder_.record.discretes.size() - 1));
+    return elapsed_.emplace(activation, recorder_.operation(Op::sub, recorder_.time(), before, 0)).first->second;
+  }
+
+  // Everything recorded from now on runs under an activation.
+  void enter(std::uint32_t activation) {
+    reader_ = activation;
+    recorder_.activation = activation == 0 ? std::uint16_t{0} : gate_numbers_[activation];
   }
 
   void bind_net(std::uint32_t index, Array value) {
@@ -153,16 +188,54 @@ class GraphRecording {
  private:
   enum NetState : std::uint8_t { new_net, wired, done };
 
+  // What is recorded while one of these lives bears other marks than what is around it.
+  class Stamp {
+   public:
+    Stamp(GraphRecording& recording, std::uint32_t reader, RateIndex rate)
+        : recording_(recording),
+          reader_(recording.reader_),
+          activation_(recording.recorder_.activation),
+          rate_(recording.recorder_.rate),
+          site_(recording.recorder_.site),
+          plain_(recording.recorder_.plain) {
+      recording.enter(reader);
+      recording.recorder_.rate = rate;
+      recording.recorder_.plain = false;
+    }
+    ~Stamp() {
+      recording_.reader_ = reader_;
+      recording_.recorder_.activation = activation_;
+      recording_.recorder_.rate = rate_;
+      recording_.recorder_.site = site_;
+      recording_.recorder_.plain = plain_;
+    }
+    Stamp(const Stamp&) = delete;
+    Stamp& operator=(const Stamp&) = delete;
+
+   private:
+    GraphRecording& recording_;
+    std::uint32_t reader_;
+    std::uint16_t activation_;
+    RateIndex rate_;
+    std::uint32_t site_;
+    bool plain_;
+  };
+
   // In the order of period and offset, so that numbers do not depend on the file's order.
   void add_rates() {
     std::vector<std::size_t> order(g_.rates.size() - 1);
     std::iota(order.begin(), order.end(), std::size_t{1});
     std::sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+      const std::uint32_t ta = g_.rates[a].trigger, tb = g_.rates[b].trigger;
+      if (ta != 0 && tb != 0) return g_.activations[ta].path < g_.activations[tb].path;
+      if (ta != 0 || tb != 0) return tb != 0;
       const int by_period = compare(g_.rates[a].period, g_.rates[b].period);
       return by_period != 0 ? by_period < 0 : g_.rates[a].offset < g_.rates[b].offset;
     });
     rates_.assign(g_.rates.size(), 0);
-    for (const std::size_t i : order) rates_[i] = recorder_.add_rate(g_.rates[i].period, g_.rates[i].offset);
+    for (const std::size_t i : order)
+      rates_[i] = g_.rates[i].trigger != 0 ? recorder_.add_trigger()
+                                           : recorder_.add_rate(g_.rates[i].period, g_.rates[i].offset);
   }
 
   // What a sampled block shows is held between its hits, also where it only hands on what it reads.
@@ -202,6 +275,7 @@ class GraphRecording {
   void record_one(std::uint32_t index) {
     const GraphParameter& p = g_.parameters[index];
     if (!p.expression) return;
+    const std::uint16_t activation = std::exchange(recorder_.activation, std::uint16_t{0});
     const RateIndex rate = std::exchange(recorder_.rate, RateIndex{0});
     if (p.literal) {
       leaf(p, parameter_values_[index]);
@@ -217,6 +291,7 @@ class GraphRecording {
     }
     if (!p.reads_signals) parameter_values_[index] = parameter_values_[index].spread(p.shape);
     recorder_.rate = rate;
+    recorder_.activation = activation;
     if (!p.of_scope) add_bounds(p, parameter_values_[index]);
   }
 
@@ -296,6 +371,7 @@ class GraphRecording {
   void record_scope(std::uint32_t s) {
     const GraphScope& scope = g_.scopes[s];
     recorder_.plain = scope.plain;
+    enter(scope.activation);
     for (std::uint32_t i = 0; i < scope.type->inputs.size() && scope.parent != nowhere; ++i) {
       const GraphNet& net = g_.nets[scope.first_input + i];
       record_wire(scope.first_input + i, scope.path, "wire " + scope.type->inputs[i].name, rate_of(net.rate));
@@ -306,11 +382,34 @@ class GraphRecording {
     }
   }
 
+  std::vector<GraphBus> buses_in_order() const {
+    std::vector<GraphBus> buses = g_.buses;
+    std::sort(buses.begin(), buses.end(), [](const GraphBus& a, const GraphBus& b) { return a.path < b.path; });
+    return buses;
+  }
+
+  void record_buses_and_copies() {
+    for (const GraphBus& bus : buses_in_order()) {
+      recorder_.plain = g_.scopes[bus.scope].plain;
+      enter(g_.scopes[bus.scope].activation);
+      for (std::uint32_t i = 0; i < bus.declaration->in.size(); ++i) {
+        const std::uint32_t index = bus.first_member + i;
+        record_wire(index, bus.path, "wire " + bus.declaration->in[i].port, rate_of(g_.nets[index].rate));
+      }
+    }
+    for (const GraphRepeat& repeat : g_.repeats) {
+      if (repeat.net == nowhere) continue;
+      enter(g_.scopes[repeat.scope].activation);
+      record_wire(repeat.net, repeat.path, "copies", 0);
+    }
+  }
+
   // ---- blocks
 
   void record_block(std::uint32_t index) {
     const GraphBlock& block = g_.blocks[index];
     recorder_.plain = !block.declaration->zero_crossing || g_.scopes[block.scope].plain;
+    enter(block.activation);
     if (!block.type)
       return record_wire(block.first_output, block.path, "expression", rate_of(g_.nets[block.first_output].rate));
     const Block& kind = *block.type->block;
@@ -324,8 +423,10 @@ class GraphRecording {
     const Now now;
     if (!kind.states.empty() || !kind.discretes.empty()) {
       recorder_.rate = 0;
+      recorder_.activation = 0;  // initial values are asked for in any case
       recorder_.site = block_site(block, "initial");
       kind.initial(now, Init());
+      enter(block.activation);
     }
     recorder_.rate = rate;
     recorder_.site = block_site(block, "outputs");
@@ -341,6 +442,154 @@ class GraphRecording {
     if (!kind.states.empty() || !kind.discretes.empty()) recorder_.site = block_site(block, "jumps");
     kind.jumps(now, Jumps());
     instance_.finish();
+    if (recorder_.activation != 0) freeze_states(block_states_[index]);
+  }
+
+  // While a block is not active, its states stand still.
+  void freeze_states(std::pair<std::uint32_t, std::uint32_t> first) {
+    const Truth active(gates_[reader_]);
+    Record& record = recorder_.record;
+    const Stamp stamp(*this, 0, 0);
+    for (std::uint32_t i = first.first; i < record.states.size(); ++i) {
+      recorder_.site = record.states[i].site;
+      record.states[i].derivative = where(active, record.states[i].derivative, Value(0));
+    }
+    for (std::uint32_t i = first.second; i < record.discretes.size(); ++i) {
+      recorder_.site = record.discretes[i].site;
+      recorder_.rate = record.discretes[i].rate;
+      const Value next = where(active, record.discretes[i].next, recorder_.discrete(i));
+      record.discretes[i].next = next;
+    }
+  }
+
+  // ---- activations
+
+  std::vector<std::uint32_t> activations_in_order() const {
+    std::vector<std::uint32_t> order(g_.activations.size() - 1);
+    std::iota(order.begin(), order.end(), 1U);
+    std::sort(order.begin(), order.end(),
+              [this](std::uint32_t a, std::uint32_t b) { return g_.activations[a].path < g_.activations[b].path; });
+    return order;
+  }
+
+  // Whether each is enabled, as a value that changes at hits and events only.
+  void record_conditions() {
+    gates_.assign(g_.activations.size(), Value(1.0));
+    gate_numbers_.assign(g_.activations.size(), 0);
+    for (const std::uint32_t a : activations_in_order()) {
+      const GraphActivation& activation = g_.activations[a];
+      gates_[a] = gates_[activation.parent];
+      if (activation.enable_when) {
+        enter(activation.parent);
+        recorder_.rate = 0;
+        recorder_.plain = false;
+        recorder_.site = recorder_.add_site(activation.path, "enable", activation.declaration->enable->mark);
+        RecordedNames names(*this, activation.enable_when);
+        const Array when = evaluate(*activation.enable_when.code, names);
+        Truth any = Value(0.0) < when[0];
+        for (int i = 1; i < when.size(); ++i) any = any || Value(0.0) < when[i];
+        recorder_.activation = 0;
+        gates_[a] = gates_[activation.parent].is(1) ? any.value() : (Truth(gates_[activation.parent]) && any).value();
+      }
+      if (gates_[a].is(1)) continue;
+      gate_numbers_[a] = static_cast<std::uint16_t>(recorder_.record.activations.size());
+      recorder_.record.activations.push_back(gates_[a]);
+    }
+    enter(0);
+  }
+
+  // What a net shows to those who are not active with it.
+  Array held_outside(std::uint32_t index, std::uint32_t a) {
+    const GraphActivation& activation = g_.activations[a];
+    const GraphNet& net = g_.nets[index];
+    const Array value = value_of_net(index);
+    // A trigger or a condition above decides whether there was an activation.
+    std::uint32_t trigger = a;
+    while (trigger != 0 && g_.activations[trigger].rate == 0) trigger = g_.activations[trigger].parent;
+    const bool is_enabled = !gates_[a].is(1);
+    if (trigger == 0 && !is_enabled) return value;
+    const Stamp stamp(*this, 0, 0);
+    recorder_.site = recorder_.add_site(activation.path, "outputs", net.mark);
+    Truth shows(Value(1.0));
+    if (trigger != 0) {
+      recorder_.rate = rate_of({GraphRate::Kind::discrete, g_.activations[trigger].rate});
+      shows = recorder_.hit(recorder_.rate) >= Value(0.0);
+      recorder_.rate = 0;
+    }
+    // A triggered block keeps its outputs by itself.
+    const bool by_enable = is_enabled && (activation.rate == 0 || activation.resets_outputs());
+    if (by_enable) shows = trigger != 0 ? shows && Truth(gates_[a]) : Truth(gates_[a]);
+    const Array initial = initial_outside(index, activation, value);
+    Array result(value.shape());
+    for (int i = 0; i < value.size(); ++i) {
+      RecordedDiscrete held;
+      held.name = path_of(g_, net) + element_suffix(value.shape(), i) + ".held";
+      held.site = recorder_.site;
+      held.initial = initial.at(i);
+      recorder_.record.discretes.push_back(std::move(held));
+      const auto state = static_cast<std::uint32_t>(recorder_.record.discretes.size() - 1);
+      const Value kept = recorder_.discrete(state);
+      recorder_.record.discretes[state].next = kept;
+      result[i] = where(shows, value[i], kept);
+      if (by_enable && !activation.resets_outputs()) recorder_.record.holds.push_back({shows.value(), value[i], state});
+    }
+    return result;
+  }
+
+  // Of an output what is declared; of what is inside, the value with which the run starts.
+  Array initial_outside(std::uint32_t index, const GraphActivation& activation, const Array& value) {
+    const GraphNet& net = g_.nets[index];
+    const bool is_output = activation.owner.kind == GraphChild::Kind::scope
+                               ? net.kind == GraphNet::Kind::scope_output
+                               : net.kind == GraphNet::Kind::output || net.kind == GraphNet::Kind::expression;
+    if (!is_output || net.owner != activation.owner.index || net.port >= activation.initials.size()) return value;
+    const BoundExpression& initial = activation.initials[net.port];
+    if (!initial) return value;
+    RecordedNames names(*this, initial);
+    return evaluate(*initial.code, names).spread(value.shape());
+  }
+
+  // The events `x.enable`, at which states may be reset, and `x.trigger`.
+  void record_activation_jumps() {
+    for (const std::uint32_t a : activations_in_order()) {
+      const GraphActivation& activation = g_.activations[a];
+      if (activation.enable_when && !gates_[a].is_known()) {
+        const Stamp stamp(*this, 0, 0);
+        RecordedJump jump;
+        jump.name = activation.path + ".enable";
+        jump.site = recorder_.site = recorder_.add_site(jump.name, "enable", activation.declaration->enable->mark);
+        jump.function = gates_[a] - Value(0.5);
+        jump.direction = 1;
+        std::vector<RecordedJump> jumps{std::move(jump)};
+        for (const std::uint32_t b : g_.order) {
+          if (!activation.resets_states() || !g_.blocks[b].type || !is_within(g_, g_.blocks[b].activation, a)) continue;
+          assign(g_.blocks[b], b, jumps, nullptr);
+        }
+        add_jumps(std::move(jumps));
+      }
+      if (activation.trigger_when) add_trigger(activation, gates_[a]);
+    }
+  }
+
+  void add_trigger(const GraphActivation& activation, Value enabled) {
+    const TriggerDecl& decl = *activation.declaration->trigger;
+    const Stamp stamp(*this, activation.parent, rate_of_names(activation.trigger_when));
+    recorder_.plain = true;
+    recorder_.site = recorder_.add_site(activation.path, "trigger", decl.mark);
+    RecordedNames names(*this, activation.trigger_when);
+    const Array function = crossing_of(*activation.trigger_when.code, names);
+    for (int i = 0; i < function.size(); ++i) {
+      RecordedJump jump;
+      jump.name = activation.path + ".trigger" + element_suffix(function.shape(), i);
+      jump.site = recorder_.site;
+      jump.function = function[i];
+      jump.direction = decl.edge == "falling" ? -1 : decl.edge == "either" ? 0 : 1;
+      jump.rate = recorder_.rate;
+      jump.activation = recorder_.activation;
+      jump.triggers = rate_of({GraphRate::Kind::discrete, activation.rate});
+      jump.enabled = enabled;
+      recorder_.record.jumps.push_back(std::move(jump));
+    }
   }
 
   // ---- resets
@@ -373,6 +622,7 @@ class GraphRecording {
       jump.function = function[i];
       jump.direction = decl.reset->edge == "falling" ? -1 : decl.reset->edge == "either" ? 1 - 1 : 1;
       jump.rate = recorder_.rate;
+      jump.activation = recorder_.activation;
       jumps.push_back(std::move(jump));
     }
     return jumps;
@@ -403,6 +653,7 @@ class GraphRecording {
   void record_reset(std::uint32_t index) {
     const GraphBlock& block = g_.blocks[index];
     if (!block.reset_when || !block.type) return;
+    enter(block.activation);
     std::vector<RecordedJump> jumps = reset_jumps(block.path, *block.declaration, block.reset_when);
     if (block.reset_to) {
       RecordedNames names(*this, block.reset_to);
@@ -417,6 +668,7 @@ class GraphRecording {
   void record_scope_reset(std::uint32_t s) {
     const GraphScope& scope = g_.scopes[s];
     if (!scope.reset_when) return;
+    enter(scope.activation);
     std::vector<RecordedJump> jumps = reset_jumps(scope.path, *scope.declaration, scope.reset_when);
     Array to;
     if (scope.reset_to) {
@@ -438,6 +690,7 @@ class GraphRecording {
     signals.reserve(g_.nets.size());
     const auto add = [&](std::uint32_t index) {
       const GraphNet& net = g_.nets[index];
+      if (net.bus != nowhere) return;
       const Array& value = value_of_net(index);
       std::string path = path_of(g_, net);
       const RateIndex rate = rate_of(net.rate);
@@ -453,6 +706,9 @@ class GraphRecording {
       if (g_.scopes[s].parent == nowhere) continue;
       for (std::uint32_t i = 0; i < g_.scopes[s].type->outputs.size(); ++i) add(g_.scopes[s].first_output + i);
       for (std::uint32_t i = 0; i < g_.scopes[s].type->inputs.size(); ++i) add(g_.scopes[s].first_input + i);
+    }
+    for (const GraphBus& bus : buses_in_order()) {
+      for (std::uint32_t i = 0; i < bus.declaration->in.size(); ++i) add(bus.first_member + i);
     }
     for (const std::uint32_t b : g_.order) {
       for (std::uint32_t i = 0; i < g_.blocks[b].outputs; ++i) add(g_.blocks[b].first_output + i);
@@ -486,7 +742,7 @@ class GraphRecording {
     for (const Graph::Column& column : g_.columns) {
       if (column.net != nowhere) {
         const GraphNet& net = g_.nets[column.net];
-        by_text.emplace(column.name, add_columns(column.name, value_of_net(column.net), std::string(net.unit),
+        by_text.emplace(column.name, add_columns(column.name, value_seen(column.net), std::string(net.unit),
                                                  rate_of(net.rate), true));
         continue;
       }
@@ -526,6 +782,11 @@ class GraphRecording {
   std::vector<Array> parameter_values_;
   std::vector<std::uint8_t> parameter_done_;
   std::vector<RateIndex> rates_;
+  std::uint32_t reader_ = 0;                 // the activation under which is recorded
+  std::vector<Value> gates_;                 // per activation: whether it is enabled
+  std::vector<std::uint16_t> gate_numbers_;  // its number in the Record; 0: always enabled
+  std::unordered_map<std::uint32_t, Array> seen_;
+  std::unordered_map<std::uint32_t, Value> elapsed_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       block_states_;  // first continuous and discrete state of each block
 };
@@ -549,8 +810,10 @@ Array RecordedNames::value(std::uint32_t name) {
       const Array& value = recording_.value_of_parameter(r.index);
       return r.whole ? value : element_of(value, r.first, r.last, r.column);
     }
+    case Reference::Kind::elapsed:
+      return {recording_.elapsed(r.index)};
     case Reference::Kind::net: {
-      const Array& value = recording_.value_of_net(r.index);
+      const Array& value = recording_.value_seen(r.index);
       return r.whole ? value : element_of(value, r.first, r.last, r.column);
     }
     case Reference::Kind::missing:
@@ -685,8 +948,9 @@ Value RecordingInstance::hit() {
   return rate != 0 ? recording_.recorder().hit(rate) : Value(0);
 }
 Value RecordingInstance::period() {
-  return block_->rate.kind == GraphRate::Kind::discrete ? Value(graph_.rates[block_->rate.index].period.to_double())
-                                                        : Value(0);
+  if (block_->rate.kind != GraphRate::Kind::discrete) return 0;
+  const ClockRate& rate = graph_.rates[block_->rate.index];
+  return rate.trigger != 0 ? recording_.elapsed(rate.trigger) : Value(rate.period.to_double());
 }
 
 std::vector<Value> RecordingInstance::kernel(std::shared_ptr<const Kernel> kernel, std::vector<Value> inputs,
@@ -749,6 +1013,7 @@ void RecordingInstance::finish() {
       jump.direction = event.direction == Direction::rising ? 1 : event.direction == Direction::falling ? -1 : 0;
       jump.of_slope = event.of_slope;
       jump.rate = recording_.rate_of(block_->rate);
+      jump.activation = recording_.recorder().activation;
       for (const Assignment& a : event.assignments) {
         const std::uint32_t first = state_index(a.discrete, a.index);
         for (int e = 0; e < a.value.size(); ++e) {

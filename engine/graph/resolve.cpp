@@ -1,6 +1,7 @@
 // What every name means at its place of use.
 
 #include <algorithm>
+#include <deque>
 #include <limits>
 #include <utility>
 
@@ -17,12 +18,13 @@ bool is_index(const std::string& part) { return !part.empty() && part[0] >= '0' 
 class Resolver {
  public:
   Resolver(Elaboration& e, const BoundExpression& bound, Context context)
-      : e_(e), g_(e.g), scope_(bound.scope), context_(context) {}
+      : e_(e), g_(e.g), bound_(bound), scope_(bound.scope), context_(context) {}
 
   Reference find(const Expression& node) {
     node_ = &node;
     const Parts parts(node.parts);
-    if (parts.size() == 1 || parts[0] == "previous" || parts[0] == "next") {
+    if (parts[0] == "previous" || parts[0] == "next") return neighbour(parts);
+    if (parts.size() == 1) {
       Reference reference;
       if (is_reserved(parts[0], reference)) return reference;
     }
@@ -39,11 +41,11 @@ class Resolver {
     // Names that begin with other letters are spared the comparisons.
     switch (name.empty() ? ' ' : name[0]) {
       case 'p':
-        if (name == "pi") return number(3.14159265358979323846);
-        return name == "previous" && later(name, "it belongs to `repeat`, which is not built yet");
+        return name == "pi" && number(3.14159265358979323846);
       case 'i':
         if (name == "inf") return number(std::numeric_limits<double>::infinity());
-        return name == "index" && later(name, "it belongs to `repeat`, which is not built yet");
+        if (name == "index" && bound_.repeat != nowhere) return number(bound_.copy);
+        return name == "index" && nothing_here(name, "it is the number of a copy, around a block with `repeat`");
       case 't':
         if (name == "true") return number(1);
         if (name != "time") return false;
@@ -55,18 +57,103 @@ class Resolver {
         return true;
       case 'f':
         return name == "false" && number(0);
-      case 'n':
-        return name == "next" && later(name, "it belongs to `repeat`, which is not built yet");
       case 'e':
-        return name == "elapsed" &&
-               later(name, "it belongs to triggered subsystems and state machines, which are not built yet");
+        return name == "elapsed" && elapsed(reference);
       default:
         return false;
     }
   }
-  bool later(const std::string& name, const char* why) {
+  // The time since the last trigger of what is around.
+  bool elapsed(Reference& reference) {
+    std::uint32_t a = g_.scopes[scope_].activation;
+    while (a != 0 && !g_.activations[a].declaration->trigger) a = g_.activations[a].parent;
+    if (a == 0) return nothing_here("elapsed", "it is the time since the last trigger, inside a triggered subsystem");
+    if (context_ == Context::parameter) {
+      error("a parameter cannot depend on the time: it has one value for the whole run");
+      return true;
+    }
+    reference.kind = Reference::Kind::elapsed;
+    reference.index = a;
+    return true;
+  }
+  bool nothing_here(const std::string& name, const char* why) {
     error("'{}' means nothing here: {}", name, why);
     return true;
+  }
+
+  // The copy before or after the one around this expression.
+  Reference neighbour(Parts parts) {
+    const bool before = parts[0] == "previous";
+    if (bound_.repeat == nowhere) {
+      nothing_here(parts[0], before ? "it is the copy before, around a block with `repeat`"
+                                    : "it is the copy behind, around a block with `repeat`");
+      return {};
+    }
+    const GraphRepeat& repeat = g_.repeats[bound_.repeat];
+    if (before ? bound_.copy > 1 : bound_.copy < repeat.count)
+      return of_copy(repeat, before ? bound_.copy - 1 : bound_.copy + 1, parts.subspan(1));
+    error("'{}.{}' is the {} copy: there is no {} one", repeat.path, bound_.copy, before ? "first" : "last", parts[0])
+        .hint(before ? "say what it gets instead: first: {input: signal}"
+                     : "say what it gets instead: last: {input: signal}")
+        .named("repeat");
+    return {};
+  }
+
+  // `cell.3` and what stands behind it.
+  Reference of_copy(const GraphRepeat& repeat, std::uint32_t number, Parts rest) {
+    std::vector<std::string>& parts = spelt_.emplace_back();
+    parts.push_back(fmt::format("{}.{}", repeat.declaration->name, number));
+    parts.insert(parts.end(), rest.begin(), rest.end());
+    const GraphChild child = g_.copies[repeat.first_copy + number - 1];
+    return child.kind == GraphChild::Kind::block ? of_block(child.index, parts) : of_scope(child.index, parts, false);
+  }
+
+  Reference of_repeat(std::uint32_t index, Parts parts) {
+    const GraphRepeat& repeat = g_.repeats[index];
+    const bool slice = parts.size() == 2 && node_->slice_end > 0;
+    if (parts.size() == 1 || slice) {
+      if (repeat.net != nowhere) return net(repeat.net, parts);
+      error("'{}' has no output", repeat.path);
+      return {};
+    }
+    const std::optional<long> number = parse_integer(parts[1]);
+    if (!number) {
+      error("'{}' is repeated: its copies are {}.1 to {}.{}", parts[0], parts[0], parts[0], repeat.count)
+          .hint(fmt::format("for example {}.1.{}", parts[0], parts[1]))
+          .named("repeat");
+      return {};
+    }
+    if (*number >= 1 && *number <= static_cast<long>(repeat.count))
+      return of_copy(repeat, static_cast<std::uint32_t>(*number), parts.subspan(2));
+    error("there is no copy '{}.{}': '{}' is repeated {} times", parts[0], parts[1], parts[0], repeat.count)
+        .named("repeat");
+    return {};
+  }
+
+  // ---- buses
+
+  std::string members_of(const GraphBus& bus, std::string_view name) const {
+    std::string text;
+    for (const WireDecl& wire : bus.declaration->in)
+      text += fmt::format("{}{}.{}", text.empty() ? "" : ", ", name, wire.port);
+    return text;
+  }
+
+  Reference of_bus(std::uint32_t index, Parts parts) {
+    const GraphBus& bus = g_.buses[index];
+    if (parts.size() == 1) {
+      error("'{}' is a bus, a group of signals: read one of them", parts[0])
+          .hint("it has: " + members_of(bus, parts[0]))
+          .named("bus");
+      return {};
+    }
+    std::vector<std::string> names;
+    for (std::uint32_t i = 0; i < bus.declaration->in.size(); ++i) {
+      if (bus.declaration->in[i].port == parts[1]) return net(bus.first_member + i, parts.subspan(1));
+      names.push_back(bus.declaration->in[i].port);
+    }
+    error("the bus '{}' has no '{}'", parts[0], parts[1]).suggest(parts[1], names).named("bus");
+    return {};
   }
 
   Reference in_scope(std::uint32_t s, Parts parts, bool first) {
@@ -79,7 +166,7 @@ class Resolver {
       case TypeName::Kind::parameter:
         return parameter(scope.first_parameter + i, parts);
       case TypeName::Kind::input:
-        if (parts.size() > 1 && !is_index(parts[1])) {
+        if (parts.size() > 1 && !is_index(parts[1]) && g_.nets[scope.first_input + i].bus == nowhere) {
           error("'{}' is an input: it has elements, {}.1, but no '{}'", parts[0], parts[0], parts[1]);
           return {};
         }
@@ -93,6 +180,10 @@ class Resolver {
         return of_block(child.index, parts);
       case GraphChild::Kind::scope:
         return of_scope(child.index, parts, first);
+      case GraphChild::Kind::repeat:
+        return of_repeat(child.index, parts);
+      case GraphChild::Kind::bus:
+        return of_bus(child.index, parts);
       case GraphChild::Kind::bad:
         break;
     }
@@ -215,6 +306,7 @@ class Resolver {
   }
 
   Reference net(std::uint32_t index, Parts parts) {
+    if (g_.nets[index].bus != nowhere) return of_bus(g_.nets[index].bus, parts);
     if (context_ == Context::parameter) {
       error("a parameter cannot read the signal '{}': it has one value for the whole run", to_string(*node_))
           .hint("only wires and initial: read signals")
@@ -327,8 +419,10 @@ class Resolver {
 
   Elaboration& e_;
   Graph& g_;
+  const BoundExpression& bound_;
   std::uint32_t scope_;
   Context context_;
+  std::deque<std::vector<std::string>> spelt_;  // names with the copy that `previous` means
   const Expression* node_ = nullptr;
 };
 
@@ -398,13 +492,15 @@ bool resolve(Elaboration& e, BoundExpression& bound, Context context) {
 
 void resolve_names(Elaboration& e) {
   Graph& g = e.g;
+  find_buses(e);
   resolve_parameters(e);
+  for (BoundExpression& bound : e.counts) resolve(e, bound, Context::parameter);
   const std::size_t count = g.nets.size();
   for (std::uint32_t i = 0; i < count; ++i) {
     GraphNet& net = g.nets[i];
     if (!net.driver) continue;
     net.bad |= !resolve(e, net.driver, Context::wire);
-    if (net.kind == GraphNet::Kind::scope_input) {
+    if (net.kind == GraphNet::Kind::scope_input && net.bus == nowhere) {
       const InputDecl& input = g.scopes[net.owner].type->inputs[net.port];
       if (input.fallback) make_parameter(e, i, input.name);
     } else if (net.kind == GraphNet::Kind::block_input) {
@@ -418,6 +514,14 @@ void resolve_names(Elaboration& e) {
     if (owner.reset_when) resolve(e, owner.reset_when, Context::wire);
     if (owner.reset_to) resolve(e, owner.reset_to, Context::initial);
   };
+  for (std::size_t a = 1; a < g.activations.size(); ++a) {
+    GraphActivation& activation = g.activations[a];
+    if (activation.enable_when) resolve(e, activation.enable_when, Context::wire);
+    if (activation.trigger_when) resolve(e, activation.trigger_when, Context::wire);
+    for (BoundExpression& initial : activation.initials) {
+      if (initial) resolve(e, initial, Context::initial);
+    }
+  }
   for (GraphBlock& block : g.blocks) resets(block);
   for (GraphScope& scope : g.scopes) resets(scope);
 }

@@ -121,11 +121,18 @@ void add_common(Object& definitions) {
       "key_reset",
       R"({"type":"object","properties":{"when":{"$ref":"#/$defs/expression"},"edge":{"enum":["rising","falling","either"]},)"
       R"("to":{"$ref":"#/$defs/expression"}},"required":["when"],"additionalProperties":false})");
-  definitions.add("key_enable", R"({"type":["string","object"]})");
-  definitions.add("key_trigger", R"({"type":"object"})");
+  definitions.add(
+      "key_enable",
+      R"({"anyOf":[{"$ref":"#/$defs/expression"},{"type":"object","properties":{"when":{"$ref":"#/$defs/expression"},)"
+      R"("states":{"enum":["held","reset"]},"outputs":{"enum":["held","reset"]},"initial":{"$ref":"#/$defs/expression"}},)"
+      R"("required":["when"],"additionalProperties":false}],"description":"active while this is greater than 0"})");
+  definitions.add(
+      "key_trigger",
+      R"({"type":"object","properties":{"when":{"$ref":"#/$defs/expression"},"edge":{"enum":["rising","falling","either"]},)"
+      R"("initial":{"$ref":"#/$defs/expression"}},"required":["when"],"additionalProperties":false})");
   definitions.add("key_repeat", reference("expression"));
-  definitions.add("key_first", R"({"type":"object"})");
-  definitions.add("key_last", R"({"type":"object"})");
+  definitions.add("key_first", reference("key_in"));
+  definitions.add("key_last", reference("key_in"));
   definitions.add("key_doc", R"({"type":"string"})");
   definitions.add("key_unit", R"({"type":"string"})");
   definitions.add("key_label", R"({"type":"string"})");

@@ -442,6 +442,10 @@ class SizeFinding final : public Sizing {
     };
     for (const GraphBlock& block : g_.blocks) condition(block.reset_when), condition(block.reset_to);
     for (const GraphScope& scope : g_.scopes) condition(scope.reset_when), condition(scope.reset_to);
+    for (const GraphActivation& activation : g_.activations) {
+      condition(activation.enable_when), condition(activation.trigger_when);
+      for (const BoundExpression& initial : activation.initials) condition(initial);
+    }
   }
 
   bool check_elements(const BoundExpression& bound) {

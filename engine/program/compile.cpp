@@ -119,11 +119,12 @@ class Compiler {
     const std::vector<std::uint32_t> step_roots = unrolled_step();
     if (options_.dae) make_dae();
 
-    Lowering slots(graph_);
+    Lowering slots(graph_, resolved_->activations);
     place_loops(slots);
     lower_continuous(slots, jacobian, step_roots);
     lower_held(slots);
     lower_loops(slots);
+    give_gates(slots);
     lower_parameters(slots);
     finish_arena(slots);
     describe();
@@ -135,13 +136,14 @@ class Compiler {
   void collect_guards() {
     for (std::uint32_t m = 0; m < graph_.modes.size(); ++m) {
       for (const auto guard : graph_.modes[m].guards) {
-        program_->guards.push_back({false, m, 0, graph_.operations[guard].is_continuous()});
+        program_->guards.push_back({false, m, 0, graph_.operations[guard].is_continuous(), no_gate});
         guard_roots_.push_back(guard);
       }
     }
     for (std::uint32_t j = 0; j < record_.jumps.size(); ++j) {
       const std::uint32_t guard = resolved_->jumps[j].guard;
-      program_->guards.push_back({true, j, record_.jumps[j].direction, graph_.operations[guard].is_continuous()});
+      program_->guards.push_back(
+          {true, j, record_.jumps[j].direction, graph_.operations[guard].is_continuous(), no_gate});
       guard_roots_.push_back(guard);
     }
   }
@@ -167,6 +169,8 @@ class Compiler {
     for (const RecordedNode& node : record_.nodes) {
       if (node.op != Op::kernel) continue;
       if (node.rate != 0) program_->kernels[node.a].mask = rate_bit(node.rate);
+      kernel_activations_.resize(record_.kernels.size(), 0);
+      kernel_activations_[node.a] = node.activation;
       advance_order_.push_back(node.a);
       ++k;
     }
@@ -253,6 +257,17 @@ class Compiler {
       if (!loop.initial && !loop.by_hand && is_continuous(loop)) unknowns.push_back(loop.unknowns[0].operation);
     }
     program_->loop_list = plain(unknowns);
+    std::vector<std::uint32_t> holds;
+    for (const auto& [condition, value] : resolved_->holds) {
+      holds.push_back(condition);
+      holds.push_back(value);
+    }
+    program_->hold_list = plain(holds);
+    // What is asked between lists stands in a slot of its own.
+    for (std::size_t i = 1; i < resolved_->activations.size(); ++i) slots.slot(resolved_->activations[i]);
+    for (std::size_t j = 0; j < record_.jumps.size(); ++j) {
+      if (record_.jumps[j].triggers != 0) slots.slot(resolved_->jumps[j].enabled);
+    }
     lower_jacobian(slots, jacobian);
     if (options_.dae) lower_dae(slots);
 
@@ -428,6 +443,21 @@ class Compiler {
     }
   }
 
+  void give_gates(Lowering& slots) {
+    const auto gate = [&](std::uint16_t activation) {
+      return activation == 0 ? no_gate : slots.slot(resolved_->activations[activation]);
+    };
+    for (Program::Guard& guard : program_->guards) {
+      if (guard.is_jump) guard.gate = gate(record_.jumps[guard.index].activation);
+    }
+    for (std::size_t k = 0; k < kernel_activations_.size(); ++k)
+      program_->kernels[k].gate = gate(kernel_activations_[k]);
+    enabled_.assign(record_.jumps.size(), no_gate);
+    for (std::size_t j = 0; j < record_.jumps.size(); ++j) {
+      if (record_.jumps[j].triggers != 0) enabled_[j] = slots.slot(resolved_->jumps[j].enabled);
+    }
+  }
+
   void lower_parameters(Lowering& slots) {
     if (!has_advance_inputs_) {  // no held list: continuous kernels only
       std::size_t advance = 0;
@@ -499,6 +529,8 @@ class Compiler {
       jump.name = record_.jumps[j].name;
       jump.site = record_.jumps[j].site;
       jump.first_value = first_value;
+      jump.triggers = record_.jumps[j].triggers;
+      jump.enabled = enabled_[j];
       for (const auto& assignment : record_.jumps[j].assignments) {
         jump.targets.push_back(
             {assignment.discrete, assignment.discrete ? program_->discretes[assignment.index]
@@ -507,6 +539,7 @@ class Compiler {
       }
       program_->jumps.push_back(std::move(jump));
     }
+    for (const RecordedHold& hold : record_.holds) program_->holds.push_back(program_->discretes[hold.index]);
     program_->rates = record_.rates;
     program_->parameter_info = record_.parameters;
     program_->sites = record_.sites;
@@ -534,6 +567,8 @@ class Compiler {
   std::vector<Partial> dae_jacobian_;
   bool dae_is_exact_ = true;
   std::vector<std::uint32_t> guard_roots_;
+  std::vector<std::uint16_t> kernel_activations_;
+  std::vector<SlotIndex> enabled_;            // per jump
   std::vector<std::uint32_t> advance_order_;  // kernels of the Record in the order of resolved_->advance_inputs
   bool has_advance_inputs_ = false;
 };
@@ -552,6 +587,8 @@ std::shared_ptr<const Program> compile(const Record& record, const CompileOption
   if (report.error_count() > errors) return nullptr;
   const SinkInCharge charge(resolved->graph);
   resolved->graph.make_modes = false;
+  resolved->graph.activation = 0;
+  resolved->graph.rate = 0;
   return Compiler(record, options, std::move(resolved)).compile();
 }
 

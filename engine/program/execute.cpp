@@ -208,6 +208,7 @@ template <bool chained, bool grouped>
 void run(const List& list, double* arena, KernelFrame* kernels, std::uint64_t bits) {
   for (const Segment& segment : list.segments) {
     if (segment.mask != 0 && (segment.mask & bits) == 0) continue;
+    if (segment.gate != no_gate && arena[segment.gate] == 0) continue;
     switch (segment.kind) {
       case Segment::Kind::instructions:
         if constexpr (chained) {

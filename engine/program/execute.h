@@ -48,7 +48,9 @@ struct Segment {
   Kind kind;
   std::uint32_t first, count;
   std::uint64_t mask;  // run when it shares a bit with the bits asked for
+  std::uint32_t gate;  // and when this slot is not 0; no_gate: in any case
 };
+inline constexpr std::uint32_t no_gate = 0xffffffff;
 
 struct List {
   std::vector<Segment> segments;

@@ -276,6 +276,7 @@ void look_at_members(const Record& record, bool initial, RecordedLoop& loop) {
 void operands_of(const Record& record, std::uint32_t id, bool initial, std::vector<Value>& into) {
   const RecordedNode& node = record.nodes[id];
   into.clear();
+  if (node.activation != 0 && !initial) into.push_back(record.activations[node.activation]);
   switch (node.op) {
     case Op::wire:
       into.push_back(record.wires[node.a]);

@@ -35,6 +35,8 @@ struct LocalOperation {
   std::uint32_t key = none;  // the place of its first reader, last group first
   std::uint32_t slot = none;
   std::uint64_t mask = 0;
+  std::uint16_t activation = 0;
+  Reference gate;  // where activation is not 0
   bool is_root = false;
   bool gone = false;  // fused into its reader
   std::vector<Reference> kernel_inputs;
@@ -89,6 +91,7 @@ class ListBuilder {
       seen[id] = true;
       needed.push_back(id);
       const Operation& o = graph_.operations[id];
+      if (o.activation != 0) stack.push_back(slots_.gate(o.activation));
       if (is_compound(o.op)) {
         for (const auto i : inputs_of(o)) stack.push_back(i);
         continue;
@@ -107,6 +110,8 @@ class ListBuilder {
       local.op = o.op;
       local.source = id;
       local.mask = o.mask;
+      local.activation = o.activation;
+      if (o.activation != 0) local.gate = reference(slots_.gate(o.activation));
       local.arity = static_cast<std::uint8_t>(arity_of(o.op));
       if (local.arity > 0) local.operands[0] = reference(o.a);
       if (local.arity > 1) local.operands[1] = reference(o.b);
@@ -133,6 +138,7 @@ class ListBuilder {
 
   template <typename F>
   static void for_operands(const LocalOperation& o, F&& f) {
+    if (o.activation != 0) f(o.gate);
     if (is_compound(o.op)) {
       for (const Reference r : o.kernel_inputs) f(r);
       return;
@@ -169,7 +175,7 @@ class ListBuilder {
       copy.is_root = true;
       copy.uses = 1;
       copy.slot = slot;
-      copy.mask = r.local ? operations_[r.index].mask : 0;
+      copy.mask = r.local ? operations_[r.index].mask : 0;  // not gated: a root exists in any case
       if (r.local) ++operations_[r.index].uses;
       operations_.push_back(std::move(copy));
       roots_.push_back({static_cast<std::uint32_t>(operations_.size() - 1), true});
@@ -197,10 +203,11 @@ class ListBuilder {
     }
   }
 
-  bool fusible(Reference r, Op op, std::uint64_t mask) const {
+  bool fusible(Reference r, Op op, const LocalOperation& reader) const {
     if (!r.local) return false;
     const LocalOperation& o = operations_[r.index];
-    return o.op == op && o.uses == 1 && !o.is_root && !o.gone && o.mask == mask;
+    return o.op == op && o.uses == 1 && !o.is_root && !o.gone && o.mask == reader.mask &&
+           o.activation == reader.activation;
   }
 
   // A product used once by a sum, a sum used once by a product; both roundings stay.
@@ -217,23 +224,23 @@ class ListBuilder {
         inner.gone = true;
       };
       if (o.op == Op::add) {
-        if (fusible(o.operands[0], Op::mul, o.mask))
+        if (fusible(o.operands[0], Op::mul, o))
           take(0, Op::mul_add);
-        else if (fusible(o.operands[1], Op::mul, o.mask))
+        else if (fusible(o.operands[1], Op::mul, o))
           take(1, Op::mul_add);
       } else if (o.op == Op::sub) {
-        if (fusible(o.operands[0], Op::mul, o.mask))
+        if (fusible(o.operands[0], Op::mul, o))
           take(0, Op::mul_sub);
-        else if (fusible(o.operands[1], Op::mul, o.mask))
+        else if (fusible(o.operands[1], Op::mul, o))
           take(1, Op::sub_mul);
       } else if (o.op == Op::mul) {
-        if (fusible(o.operands[0], Op::sub, o.mask))
+        if (fusible(o.operands[0], Op::sub, o))
           take(0, Op::sub_scale);
-        else if (fusible(o.operands[1], Op::sub, o.mask))
+        else if (fusible(o.operands[1], Op::sub, o))
           take(1, Op::sub_scale);
-        else if (fusible(o.operands[0], Op::add, o.mask))
+        else if (fusible(o.operands[0], Op::add, o))
           take(0, Op::add_scale);
-        else if (fusible(o.operands[1], Op::add, o.mask))
+        else if (fusible(o.operands[1], Op::add, o))
           take(1, Op::add_scale);
       }
     }
@@ -257,14 +264,15 @@ class ListBuilder {
     }
     const auto key = [&](std::uint32_t i) {
       const LocalOperation& o = operations_[i];
-      return std::tuple(o.level, o.op, o.mask, i);
+      return std::tuple(o.level, o.op, o.mask, o.activation, i);
     };
     std::sort(order.begin(), order.end(), [&](auto x, auto y) { return key(x) < key(y); });
     for (const auto i : order) {
       const LocalOperation& o = operations_[i];
       if (!groups_.empty()) {
         const LocalOperation& first = operations_[groups_.back().front()];
-        if (first.level == o.level && first.op == o.op && first.mask == o.mask && !is_compound(o.op)) {
+        if (first.level == o.level && first.op == o.op && first.mask == o.mask && first.activation == o.activation &&
+            !is_compound(o.op)) {
           groups_.back().push_back(i);
           continue;
         }
@@ -297,6 +305,9 @@ class ListBuilder {
       }
     }
     for (const Reference r : roots_) touch(r, next, external_key);
+    for (const LocalOperation& o : operations_) {
+      if (o.activation != 0 && !o.gone) touch(o.gate, next, external_key);
+    }
   }
 
   void touch(Reference r, std::uint32_t& next, std::vector<std::uint32_t>& external_key) {
@@ -385,6 +396,8 @@ class ListBuilder {
     copy.arity = 1;
     copy.operands[0] = {i, true};
     copy.mask = o.mask;
+    copy.activation = o.activation;
+    copy.gate = o.gate;
     copy.slot = slots_.slot(o.source);
     const auto own = operations_[o.operands[0].index].slot + graph_.operations[o.source].b;
     operations_[i].slot = own;
@@ -393,16 +406,17 @@ class ListBuilder {
     narrow.push_back(static_cast<std::uint32_t>(operations_.size() - 1));
   }
 
-  void segment(Segment::Kind kind, std::uint32_t first, std::uint32_t count, std::uint64_t mask) {
-    const std::uint64_t own = request_.by_mask ? mask : 0;
+  void segment(Segment::Kind kind, std::uint32_t first, std::uint32_t count, const LocalOperation& o) {
+    const std::uint64_t own = request_.by_mask ? o.mask : 0;
+    const std::uint32_t gate = o.activation != 0 ? slot_of(o.gate) : no_gate;
     if (!list_.segments.empty() && kind != Segment::Kind::instructions) {
       Segment& last = list_.segments.back();
-      if (last.kind == kind && last.mask == own && last.first + last.count == first) {
+      if (last.kind == kind && last.mask == own && last.gate == gate && last.first + last.count == first) {
         last.count += count;
         return;
       }
     }
-    list_.segments.push_back({kind, first, count, own});
+    list_.segments.push_back({kind, first, count, own, gate});
   }
 
   void emit_kernel(std::uint32_t i) {
@@ -419,7 +433,7 @@ class ListBuilder {
     step.initial = use.initial;
     list_.kernels.push_back(step);
     ++list_.operation_count;
-    segment(Segment::Kind::kernels, static_cast<std::uint32_t>(list_.kernels.size() - 1), 1, o.mask);
+    segment(Segment::Kind::kernels, static_cast<std::uint32_t>(list_.kernels.size() - 1), 1, o);
   }
 
   void emit_loop(std::uint32_t i) {
@@ -432,7 +446,7 @@ class ListBuilder {
     for (const Reference r : o.kernel_inputs) list_.gathers.push_back(slot_of(r));
     list_.loops.push_back(step);
     ++list_.operation_count;
-    segment(Segment::Kind::loops, static_cast<std::uint32_t>(list_.loops.size() - 1), 1, o.mask);
+    segment(Segment::Kind::loops, static_cast<std::uint32_t>(list_.loops.size() - 1), 1, o);
   }
 
   // How operand `k` goes on from member i to i + 1: contiguous, constant, or neither.
@@ -512,7 +526,7 @@ class ListBuilder {
         }
         list_.groups.push_back(run);
         list_.operation_count += run.count;
-        segment(Segment::Kind::groups, static_cast<std::uint32_t>(list_.groups.size() - 1), 1, first.mask);
+        segment(Segment::Kind::groups, static_cast<std::uint32_t>(list_.groups.size() - 1), 1, first);
       }
       i = end;
     }
@@ -523,8 +537,9 @@ class ListBuilder {
     std::size_t from = 0;
     while (from < pending.size()) {
       std::size_t until = from + 1;
-      while (until < pending.size() &&
-             (!request_.by_mask || operations_[pending[until]].mask == operations_[pending[from]].mask))
+      const LocalOperation& first = operations_[pending[from]];
+      while (until < pending.size() && operations_[pending[until]].activation == first.activation &&
+             (!request_.by_mask || operations_[pending[until]].mask == first.mask))
         ++until;
       emit_part(std::span<const std::uint32_t>(pending).subspan(from, until - from));
       from = until;
@@ -583,7 +598,7 @@ class ListBuilder {
     end.op = Op::constant;  // linked to a function that returns
     list_.instructions.push_back(end);
     segment(Segment::Kind::instructions, first, static_cast<std::uint32_t>(list_.instructions.size()) - first,
-            operations_[part[0]].mask);
+            operations_[part[0]]);
     for (const auto i : part) place_[i] = none;
   }
 

@@ -20,7 +20,9 @@ inline constexpr std::uint32_t no_slot = 0xffffffff;
 // so the list that runs most is lowered first and finds its operands side by side.
 class Lowering {
  public:
-  explicit Lowering(const OperationGraph& graph) : graph_(graph), slots_(graph.operations.size(), no_slot) {}
+  // `gates` are the operations behind the activations, by number.
+  Lowering(const OperationGraph& graph, const std::vector<std::uint32_t>& gates)
+      : graph_(graph), gates_(gates), slots_(graph.operations.size(), no_slot) {}
 
   struct Request {
     std::vector<std::uint32_t> roots;  // operations; their slots become List::roots
@@ -37,6 +39,7 @@ class Lowering {
   std::uint32_t allocate(std::uint32_t count, std::uint32_t alignment = 1);
   // The shared slot of an operation, given out now if it had none.
   std::uint32_t slot(std::uint32_t operation);
+  std::uint32_t gate(std::uint16_t activation) const { return gates_[activation]; }
   bool has_slot(std::uint32_t operation) const { return slots_[operation] != no_slot; }
   void set_slot(std::uint32_t operation, std::uint32_t slot) { slots_[operation] = slot; }
   // Where an operation will stand once somebody asks for its slot: the unknowns of a loop stand side by side.
@@ -50,6 +53,7 @@ class Lowering {
 
  private:
   const OperationGraph& graph_;
+  const std::vector<std::uint32_t>& gates_;
   std::vector<std::uint32_t> slots_;  // shared ones
   std::unordered_map<std::uint32_t, std::uint32_t> homes_, loop_inputs_;
   std::uint32_t next_ = 0;

@@ -36,6 +36,7 @@ struct Program {
   List derivative_list;    // roots: derivatives by place, contiguous
   List watch_list;         // roots: watched values
   List jump_list;          // roots: the values of all jumps, from the left values
+  List hold_list;          // roots: condition and value of each hold, by the values just before a stop or event
   List advance_list;       // roots: inputs of the continuous kernels' advance, one after the other
   List jacobian_list;      // roots: entries of df/dx in the order of the pattern
   List dae_list;           // roots: derivatives by place, then the residuals of `dae_loops`, unknowns as they stand
@@ -50,6 +51,7 @@ struct Program {
     std::uint32_t index;  // of the mode, or of the jump in `jumps`
     int direction;        // jumps: 1 rising, -1 falling, 0 either
     bool continuous;      // can cross zero between hits and events
+    SlotIndex gate;       // jumps: fires only while this slot is not 0, before and at the event; no_gate: always
   };
   std::vector<Guard> guards;
   struct Jump {
@@ -61,6 +63,8 @@ struct Program {
       SlotIndex slot;
     };
     std::vector<Target> targets;
+    RateIndex triggers = 0;       // the rate that has a hit when it fires
+    SlotIndex enabled = no_gate;  // of a trigger: it counts only where this is not 0 at the event
   };
   std::vector<Jump> jumps;
   struct Schedule {
@@ -78,6 +82,7 @@ struct Program {
     std::uint32_t first_state;                      // in the Frame's kernel states
     std::uint32_t first_history;                    // in the Frame's histories
     std::uint32_t site;
+    SlotIndex gate = no_gate;  // goes on only while this slot is not 0
   };
   std::vector<KernelState> kernels;
   // Unknowns that equations determine together; the lists that read them solve them first.
@@ -112,6 +117,7 @@ struct Program {
   std::uint32_t history_count = 0;
   std::uint32_t scratch_size = 0;
 
+  std::vector<SlotIndex> holds;  // the discrete state of each hold
   // The held slots that derivatives read: a run goes on without a restart while none of them changes.
   std::vector<SlotIndex> held_in_derivatives;
 

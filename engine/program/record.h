@@ -36,6 +36,7 @@ struct Site {
 
 struct RecordedRate {
   Rational period, offset;  // s; hit k is at offset + k period
+  bool triggered = false;   // by an event: it has no period
 };
 
 struct RecordedParameter {
@@ -90,6 +91,16 @@ struct RecordedJump {
     Value value;  // from the values just before the event
   };
   std::vector<Assignment> assignments;
+  std::uint16_t activation = 0;  // fires only while this holds, before and at the event
+  RateIndex triggers = 0;        // the rate that has a hit when it fires; 0: none
+  Value enabled = 1.0;           // of a trigger: it counts only where this is not 0 at the event
+};
+
+// A value that stays as it is from the instant at which a condition ends: the discrete state `index` takes the value
+// just before each stop and event, as long as the condition holds.
+struct RecordedHold {
+  Value condition, value;
+  std::uint32_t index = 0;
 };
 
 // The instants of a source: `times`, ascending, or first + k period.
@@ -115,7 +126,9 @@ struct Record {
   std::vector<RecordedSignal> signals;
   std::vector<RecordedJump> jumps;
   std::vector<RecordedSchedule> schedules;
-  Record() : sites(1), rates(1) {}
+  std::vector<Value> activations;  // 0 is unused; each is 0 or 1 and changes at hits and events only
+  std::vector<RecordedHold> holds;
+  Record() : sites(1), rates(1), activations(1) {}
 };
 
 // Writes a Record. The newest living Recorder of a thread is the one that Values are recorded by.
@@ -130,10 +143,12 @@ class Recorder final : public OperationSink {
   // Stamped on every operation recorded from now on.
   std::uint32_t site = 0;
   RateIndex rate = 0;
+  std::uint16_t activation = 0;
   bool plain = false;
 
   std::uint32_t add_site(std::string path, std::string method, const Mark& mark);
   RateIndex add_rate(const Rational& period, const Rational& offset);  // the same number for equal rates
+  RateIndex add_trigger();                                             // a rate whose hits are events
   Value parameter(std::string name, double value, std::string unit = {});
   Value time();
   Value state(std::uint32_t index);     // index into record.states

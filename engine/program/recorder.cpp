@@ -25,9 +25,15 @@ std::uint32_t Recorder::add_site(std::string path, std::string method, const Mar
 
 RateIndex Recorder::add_rate(const Rational& period, const Rational& offset) {
   for (std::size_t i = 1; i < record.rates.size(); ++i) {
-    if (record.rates[i].period == period && record.rates[i].offset == offset) return static_cast<RateIndex>(i);
+    const RecordedRate& known = record.rates[i];
+    if (!known.triggered && known.period == period && known.offset == offset) return static_cast<RateIndex>(i);
   }
   record.rates.push_back({period, offset});
+  return static_cast<RateIndex>(record.rates.size() - 1);
+}
+
+RateIndex Recorder::add_trigger() {
+  record.rates.push_back({.period = {}, .offset = {}, .triggered = true});
   return static_cast<RateIndex>(record.rates.size() - 1);
 }
 
@@ -124,6 +130,7 @@ std::vector<Value> Recorder::kernel(KernelUse use) {
   RecordedNode node;
   node.op = Op::kernel;
   node.rate = rate;
+  node.activation = activation;
   node.a = static_cast<std::uint32_t>(record.kernels.size() - 1);
   node.site = site;
   record.nodes.push_back(node);
@@ -155,6 +162,7 @@ Value Recorder::operation(Op op, Value a, Value b, Value c) {
   node.op = op;
   node.plain = plain;
   node.rate = rate;
+  node.activation = activation;
   node.site = site;
   node.a = id_of(a);
   if (arity > 1) node.b = id_of(b);

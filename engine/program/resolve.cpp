@@ -42,6 +42,7 @@ class Resolver {
     if (rate == 0 || v.is_known() || graph_.mask_of(v) == 0 || graph_.mask_of(v) == rate_bit(rate))
       return graph_.id_of(v);
     graph_.rate = rate;
+    graph_.activation = 0;
     graph_.make_modes = false;
     return graph_.operation(Op::copy, v, 0, 0).id();
   }
@@ -119,7 +120,7 @@ class Resolver {
     const RecordedNode& node = record_.nodes[id];
     graph_.site = node.site;
     graph_.rate = node.rate;
-    graph_.activation = node.activation;
+    graph_.activation = initial_ ? std::uint16_t{0} : node.activation;  // initial values are asked for in any case
     graph_.make_modes = !initial_ && !node.plain;
     switch (node.op) {
       case Op::constant:
@@ -406,10 +407,16 @@ void resolve_run(const Record& record, Resolver& run, const std::vector<Value>& 
   for (const auto& discrete : record.discretes) resolved.nexts.push_back(run.sampled(discrete.next, discrete.rate));
   for (const auto& jump : record.jumps) {
     const std::uint32_t function = run.sampled(jump.function, jump.rate);
-    Resolved::Jump result{jump.of_slope ? slope(resolved.graph, function, resolved.derivatives) : function, {}};
+    resolved.graph.activation = 0;
+    Resolved::Jump result{
+        jump.of_slope ? slope(resolved.graph, function, resolved.derivatives) : function, run.id(jump.enabled), {}};
     for (const auto& assignment : jump.assignments) result.values.push_back(run.id(assignment.value));
     resolved.jumps.push_back(std::move(result));
   }
+  resolved.activations.push_back(0);
+  for (std::size_t i = 1; i < record.activations.size(); ++i)
+    resolved.activations.push_back(run.id(record.activations[i]));
+  for (const RecordedHold& hold : record.holds) resolved.holds.emplace_back(run.id(hold.condition), run.id(hold.value));
   for (const auto& schedule : record.schedules) {
     Resolved::Schedule result;
     for (const Value& t : schedule.times) result.times.push_back(run.id(t));

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/base/report.h"
@@ -23,9 +24,12 @@ struct Resolved {
   std::vector<std::uint32_t> watches, numbers;
   struct Jump {
     std::uint32_t guard;
+    std::uint32_t enabled;
     std::vector<std::uint32_t> values;  // in the order of the Record's assignments
   };
   std::vector<Jump> jumps;
+  std::vector<std::uint32_t> activations;                      // per activation of the Record, from 1
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> holds;  // condition and value
   struct Schedule {
     std::vector<std::uint32_t> times;
     std::uint32_t first = 0, period = 0;

@@ -61,6 +61,7 @@ class Copier {
         copies_[id] = record(o.op, of(o.a), arity > 1 ? of(o.b) : Value(0), arity > 2 ? of(o.c) : Value(0));
       }
     }
+    graph_.activation = 0;
     std::vector<Value> result;
     for (const auto root : roots_) result.push_back(of(root));
     return result;

@@ -26,6 +26,11 @@ Clockwork::Clockwork(Frame& frame, double start, double stop) : frame_(frame), s
   const Program& program = *frame.program;
   for (std::size_t r = 1; r < program.rates.size(); ++r) {
     const RecordedRate& rate = program.rates[r];
+    if (rate.triggered) {
+      frame_.next_hit[r] = 0;
+      frame_.arena[program.hits[r]] = -1;  // no hit yet
+      continue;
+    }
     const double period = rate.period.to_double();
     if (std::max(std::fabs(start), std::fabs(stop)) / period > most_ticks) {
       throw RunError(fmt::format("the period {} s is too short to count its hits exactly up to {} s",
@@ -75,7 +80,9 @@ Clockwork::Clockwork(Frame& frame, double start, double stop) : frame_(frame), s
     frame_.arena[program.segments[s]] = static_cast<double>(frame_.next_instant[s]);
   }
   hit_times_.assign(program.rates.size(), never);
-  for (std::size_t r = 1; r < hit_times_.size(); ++r) hit_times_[r] = hit_time(r);
+  for (std::size_t r = 1; r < hit_times_.size(); ++r) {
+    if (!program.rates[r].triggered) hit_times_[r] = hit_time(r);
+  }
   for (std::size_t s = 0; s < instants_.size(); ++s) instant_times_.push_back(instant(s));
   find_next();
 }
@@ -108,6 +115,12 @@ void Clockwork::find_next() {
   for (const double t : instant_times_) edge = std::min(edge, t);
   if (edge < stop_ && is_same_instant(edge, stop_)) edge = stop_;
   next_ = is_same_instant(edge, hit) ? hit : std::min(hit, edge);
+}
+
+void Clockwork::trigger(RateIndex rate) {
+  if (std::find(hit_rates_.begin(), hit_rates_.end(), rate) != hit_rates_.end()) return;
+  frame_.arena[frame_.program->hits[rate]] = static_cast<double>(frame_.next_hit[rate]++);
+  hit_rates_.push_back(rate);
 }
 
 Mask Clockwork::advance(double t) {

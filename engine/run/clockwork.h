@@ -20,7 +20,10 @@ class Clockwork {
   // Takes the hits and edges at time t (t is next() or earlier): counts them, and returns the bits of the rates that
   // have a hit, with event_bit when a source's segment changed.
   Mask advance(double t);
-  const std::vector<RateIndex>& hit_rates() const { return hit_rates_; }  // of the last advance
+  // A hit of a triggered rate at the present instant; a second one there is the same.
+  void trigger(RateIndex rate);
+  void no_hits() { hit_rates_.clear(); }                                  // at an instant that is no hit of a clock
+  const std::vector<RateIndex>& hit_rates() const { return hit_rates_; }  // of the present instant
 
  private:
   double hit_time(std::size_t rate) const;

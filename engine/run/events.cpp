@@ -37,6 +37,7 @@ Events::Events(RunState& run, KernelAdvance& kernels, Rows& rows)
       rows_(rows),
       roots_(directions_of_guards(run.program), run.options.event_tol),
       guard_values_(run.program.guards.size()),
+      was_open_(run.program.guards.size(), 1),
       last_event_(run.program.guards.size(), -infinity),
       quiet_until_(run.program.guards.size(), -infinity),
       in_a_row_(run.program.guards.size(), 0),
@@ -201,14 +202,17 @@ void Events::event(bool located) {
     ++run_.statistics.events;
     rows_.log_left_of_event(run_.t, before_event_, a_jump_fired());
   }
-  settle_events(located ? fired_ : std::vector<int>{}, event_bit);
+  run_.clockwork->no_hits();
+  take_holds(before_event_);
+  const Mask bits = settle_events(located ? fired_ : std::vector<int>{}, event_bit);
+  run_.triggered = bits & ~event_bit;
   run_.accept_loops();
-  rows_.log_right(event_bit);
+  rows_.log_right(bits);
   if (!kernels_.none()) kernels_.continuous(false);
   run_.restart = true;
 }
 
-void Events::settle_events(std::vector<int> fired, Mask bits) {
+Mask Events::settle_events(std::vector<int> fired, Mask bits) {
   bool states_changed = false;
   for (int pass = 0;; ++pass) {
     if (pass == most_passes) {
@@ -218,11 +222,56 @@ void Events::settle_events(std::vector<int> fired, Mask bits) {
     states_changed = jump(fired) || states_changed;
     settle(bits);
     if (program_.guards.empty()) break;
+    if (const Mask triggered = trigger(fired); triggered != 0) {
+      bits |= triggered;
+      settle(bits);
+    }
     const std::vector<int> before = std::move(fired);
     fired = guards_fired_by_now(before);
     if (fired.empty()) break;
   }
   run_.restart = run_.restart || states_changed;
+  return bits;
+}
+
+// The rates of the triggers among the guards that count now.
+Mask Events::trigger(const std::vector<int>& fired) {
+  Mask bits = 0;
+  for (const int g : fired) {
+    const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
+    if (!guard.is_jump || program_.jumps[guard.index].triggers == 0) continue;
+    const Program::Jump& jump = program_.jumps[guard.index];
+    if (!is_open(guard.gate) || !is_open(jump.enabled)) continue;
+    run_.clockwork->trigger(jump.triggers);
+    rows_.recording().events[jump.name].push_back(run_.t);
+    bits |= rate_bit(jump.triggers);
+  }
+  return bits;
+}
+
+void Events::take_holds(double before) {
+  if (program_.holds.empty()) return;
+  frame_.arena[program_.time] = run_.t;
+  KernelFrame kernels = frame_.kernel_frame(true);
+  execute(program_.hold_list, frame_.arena, &kernels);
+  const auto condition = [&](std::size_t i) { return frame_.arena[program_.hold_list.roots[2 * i]]; };
+  const auto value = [&](std::size_t i) { return frame_.arena[program_.hold_list.roots[2 * i + 1]]; };
+  const auto take = [&] {
+    for (std::size_t i = 0; i < program_.holds.size(); ++i) {
+      if (condition(i) != 0 && std::isfinite(value(i))) frame_.arena[program_.holds[i]] = value(i);
+    }
+  };
+  for (std::size_t i = 0; before < run_.t && i < program_.holds.size(); ++i) {
+    if (condition(i) == 0 || std::isfinite(value(i))) continue;
+    // The state is beyond the crossing by rounding, where the value need not exist: the one just before it holds.
+    run_.put_states_of(before);
+    execute(program_.hold_list, frame_.arena, &kernels);
+    take();
+    run_.put_states_of(run_.t);
+    execute(program_.hold_list, frame_.arena, &kernels);
+    break;
+  }
+  take();
 }
 
 // Applies the jumps among the guards; their values come from before any of them.
@@ -235,8 +284,9 @@ bool Events::jump(const std::vector<int>& fired) {
   std::vector<std::pair<SlotIndex, double>> changes;
   for (const int g : fired) {
     const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
-    if (!guard.is_jump) continue;
+    if (!guard.is_jump || !is_open(guard.gate)) continue;
     const Program::Jump& jump = program_.jumps[guard.index];
+    if (jump.triggers != 0) continue;
     rows_.recording().events[jump.name].push_back(run_.t);
     for (std::size_t i = 0; i < jump.targets.size(); ++i) {
       changes.emplace_back(jump.targets[i].slot, frame_.arena[program_.jump_list.roots[jump.first_value + i]]);
@@ -256,7 +306,11 @@ std::vector<int> Events::guards_fired_by_now(const std::vector<int>& just_fired)
     values[i] = frame_.arena[program_.guard_list.roots[i]];
     const Program::Guard& guard = program_.guards[i];
     const bool new_one = std::find(just_fired.begin(), just_fired.end(), static_cast<int>(i)) == just_fired.end();
-    if (guard.is_jump && new_one && !is_muted(i) && roots_.fires(i, values[i])) fired.push_back(static_cast<int>(i));
+    // What begins to be watched now has not crossed: it had no sign before.
+    const bool watched = was_open_[i] != 0 && is_open(guard.gate);
+    was_open_[i] = is_open(guard.gate) ? 1 : 0;
+    if (guard.is_jump && watched && new_one && !is_muted(i) && roots_.fires(i, values[i]))
+      fired.push_back(static_cast<int>(i));
   }
   roots_.remember_fired(just_fired, values);
   // The memory of those that fired is not touched again.
@@ -270,6 +324,7 @@ void Events::remember_guards() {
   KernelFrame kernels = frame_.kernel_frame(false);
   execute(program_.guard_list, frame_.arena, &kernels);
   for (std::size_t i = 0; i < guard_values_.size(); ++i) guard_values_[i] = frame_.arena[program_.guard_list.roots[i]];
+  for (std::size_t i = 0; i < was_open_.size(); ++i) was_open_[i] = is_open(program_.guards[i].gate) ? 1 : 0;
   roots_.remember(guard_values_);
 }
 

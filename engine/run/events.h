@@ -26,8 +26,10 @@ class Events {
   // Runs the held operations of these bits, and takes modes by the present values until they stay.
   void settle(Mask bits);
   // The same with the jumps that follow. `fired` are guards that are known to have crossed; further ones are found by
-  // their signs.
-  void settle_events(std::vector<int> fired, Mask bits);
+  // their signs. Gives the bits with those of the rates that were triggered.
+  Mask settle_events(std::vector<int> fired, Mask bits);
+  // Keeps what is held from here on, should its condition end: to be called before anything changes at a stop.
+  void take_holds(double before);
   // Takes the signs of the guards into memory, as at the start of a run.
   void remember_guards();
   // Something else happens: what a Zeno policy holds may move again.
@@ -46,6 +48,8 @@ class Events {
   std::string mode_name(std::size_t mode) const;
   void event(bool located);
   bool jump(const std::vector<int>& fired);
+  Mask trigger(const std::vector<int>& fired);
+  bool is_open(SlotIndex gate) const { return gate == no_gate || frame_.arena[gate] != 0; }
   std::vector<int> guards_fired_by_now(const std::vector<int>& just_fired);
   bool modes_differ();
   std::string name_of_differing_mode() const;
@@ -59,6 +63,7 @@ class Events {
   Rows& rows_;
   RootFinder roots_;
   std::vector<double> guard_values_;
+  std::vector<std::uint8_t> was_open_;  // the gates of the guards when their signs were remembered
   std::vector<int> fired_;
   double before_event_ = 0;  // s; none of fired_ has crossed there
   double retried_at_ = std::numeric_limits<double>::quiet_NaN();

@@ -13,7 +13,7 @@ void KernelAdvance::continuous(bool left) {
   frame_.arena[program_.time] = run_.t;
   execute(program_.advance_list, frame_.arena, &kernels);
   for (const Program::KernelState& kernel : program_.kernels) {
-    if (kernel.continuous) advance(kernel, left);
+    if (kernel.continuous && is_on(kernel)) advance(kernel, left);
   }
 }
 
@@ -27,7 +27,7 @@ void KernelAdvance::through(double before, double after) {
       KernelFrame kernels = frame_.kernel_frame(true);
       execute(program_.advance_list, frame_.arena, &kernels);
       for (const Program::KernelState& kernel : program_.kernels) {
-        if (kernel.continuous && kernel.kernel->histories() > 0) advance(kernel, true);
+        if (kernel.continuous && is_on(kernel) && kernel.kernel->histories() > 0) advance(kernel, true);
       }
     }
     run_.put_states_of(after);
@@ -61,7 +61,7 @@ void KernelAdvance::advance(const Program::KernelState& kernel, bool left) {
 double KernelAdvance::next_jump() {
   double next = std::numeric_limits<double>::infinity();
   for (const Program::KernelState& kernel : program_.kernels) {
-    if (kernel.continuous) next = std::min(next, kernel.kernel->next_jump(call_of(kernel)));
+    if (kernel.continuous && is_on(kernel)) next = std::min(next, kernel.kernel->next_jump(call_of(kernel)));
   }
   return next;
 }
@@ -76,14 +76,14 @@ double KernelAdvance::longest_step() {
   for (const Program::KernelState& kernel : program_.kernels) {
     double* in = frame_.scratch.data();
     for (std::size_t i = 0; i < kernel.advance_inputs.size(); ++i) in[i] = frame_.arena[kernel.advance_inputs[i]];
-    if (kernel.continuous) longest = std::min(longest, kernel.kernel->longest_step(in));
+    if (kernel.continuous && is_on(kernel)) longest = std::min(longest, kernel.kernel->longest_step(in));
   }
   return longest;
 }
 
 void KernelAdvance::discrete(Mask bits) {
   for (const Program::KernelState& kernel : program_.kernels) {
-    if (!kernel.continuous && (kernel.mask & bits) != 0) advance(kernel, false);
+    if (!kernel.continuous && is_on(kernel) && (kernel.mask & bits) != 0) advance(kernel, false);
   }
 }
 

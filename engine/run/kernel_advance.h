@@ -26,6 +26,10 @@ class KernelAdvance {
   double longest_step();
 
  private:
+  // Inside a subsystem that is not active nothing goes on.
+  bool is_on(const Program::KernelState& kernel) const {
+    return kernel.gate == no_gate || frame_.arena[kernel.gate] != 0;
+  }
   KernelCall call_of(const Program::KernelState& kernel);
   void advance(const Program::KernelState& kernel, bool left);
 

@@ -31,6 +31,7 @@ struct RunState {
   double t = 0;  // s; everything until here has happened
   std::optional<Clockwork> clockwork;
   std::unique_ptr<Integrator> integrator;  // null without continuous states
+  Mask triggered = 0;                      // rates that a located event triggered: their states are to be updated
   bool restart = true;  // the states, or what their derivatives read, changed: the integrator must forget the past
   std::vector<std::uint32_t> still;  // places of states that a Zeno policy holds: their derivatives count as zero
   RunStatistics statistics;

@@ -159,7 +159,7 @@ class Runner {
       const double before = run_.t;
       const double after = take_step(stop);
       ++run_.statistics.solver.steps;
-      if (!events_.none() && events_.crossing_between(before, after)) return;
+      if (!events_.none() && events_.crossing_between(before, after)) return update_triggered();
       rows_.log_between(before, after);
       run_.t = after;
       rows_.log_left(run_.t);
@@ -221,7 +221,7 @@ class Runner {
   void advance_without_states(double stop) {
     limits_.watch();
     ++run_.statistics.solver.steps;
-    if (!events_.none() && has_continuous_ && events_.crossing_between(run_.t, stop)) return;
+    if (!events_.none() && has_continuous_ && events_.crossing_between(run_.t, stop)) return update_triggered();
     const double before = run_.t;
     rows_.log_between(before, stop);
     run_.t = stop;
@@ -272,14 +272,15 @@ class Runner {
   void at_stop() {
     for (std::size_t i = 0; i < held_before_.size(); ++i)
       held_before_[i] = frame_.arena[program_.held_in_derivatives[i]];
-    const Mask bits = run_.clockwork->advance(run_.t);
+    events_.take_holds(run_.t);
+    Mask bits = run_.clockwork->advance(run_.t);
     if (bits == 0 && has_continuous_ && run_.t >= options_.stop) return;  // the last row stands already
     if (!kernels_.none() && kernels_.jumps_by(run_.t)) {
       kernels_.continuous(false);
       run_.restart = true;
     }
     events_.release();
-    events_.settle_events({}, bits);
+    bits = events_.settle_events({}, bits);
     for (std::size_t i = 0; i < held_before_.size() && !run_.restart; ++i) {
       run_.restart = held_before_[i] != frame_.arena[program_.held_in_derivatives[i]];
     }
@@ -307,6 +308,13 @@ class Runner {
       }
     }
     kernels_.discrete(bits);
+  }
+
+  // The discrete states of what a located event triggered.
+  void update_triggered() {
+    if (run_.triggered == 0) return;
+    update(run_.triggered);
+    run_.triggered = 0;
   }
 
   bool had_hit(RateIndex rate) const {

@@ -22,6 +22,9 @@ blocks:
   w: {type: zero_order_hold, in: z, rate: {period: 2*T, offset: T}}
   plant: {type: plant, in: {u: d, e: z.2}, tau: n/2, reset: {when: u >= 1}}
   e: where(u > 0 and not (x < 1), plant.y, plant.z.2)
+  c: {type: lag, repeat: n, in: previous + index, first: u, tau: index}
+  b: {type: bus, in: {u: u, x: "[x, y]"}}
+  f: b.x.2 + c.2 + sum(c)
   s: {type: saturation, in: v*x, lower: -k, upper: k, zero_crossing: off}
 types:
   plant:
@@ -51,6 +54,7 @@ const std::vector<std::string>& words() {
       "0.5",        "time",     "inf",         "plant.y",   "plant.z",   "v.2",     "z.1:2", "A.1.2",
       "[u, x]",     "zeros(n)", "eye(2)",      "mul(A, z)", "dot(v, v)", "sum",     "gain",  "integrator",
       "unit_delay", "lag",      "type",        "in",        "rate",      "initial", "reset", "plant.tau",
+      "c.1",        "b.u",      "previous",    "next",      "index",     "repeat",  "bus",   "first",
       "$name",      "step",     "first_order", "{}",        "[]",        "x.1",     "tau"};
   return list;
 }

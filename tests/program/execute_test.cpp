@@ -12,7 +12,7 @@ namespace {
 // All equations in one list over an arena of its own.
 std::vector<double> run_once(const Resolved& resolved, const Program& program, bool fuse, bool by_switch,
                              std::size_t every) {
-  Lowering lowering(resolved.graph);
+  Lowering lowering(resolved.graph, resolved.activations);
   Lowering::Request request;
   request.parameter_only_is_external = false;
   request.held_is_external = false;
