@@ -14,6 +14,7 @@
 #include "app/request.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/run/checkpoint.h"
 #include "engine/run/diagram.h"
 #include "render/image.h"
 
@@ -28,6 +29,9 @@ struct RunOptions {
   std::string figures;
   std::string format = "png";
   std::string solver;
+  std::string save, from;
+  std::vector<double> save_at;
+  bool partial = false;
   double stop = NAN, step = NAN, rtol = NAN, atol = NAN, max_time = 0;
   bool timing = false;
   bool quiet = false;
@@ -120,6 +124,20 @@ bool check_paths(const RunOptions& o) {
   return true;
 }
 
+// Where to go on from; false after complaining.
+bool read_checkpoint(const std::string& path, RunControl& control) {
+  const FileResult file = read_file(path, std::size_t{4} << 30);
+  CheckpointResult read;
+  if (file.ok()) read = checkpoint_from_json(file.value);
+  const std::string& error = file.ok() ? read.error : file.error;
+  if (!error.empty()) {
+    complain(fmt::format("cannot read '{}': {}", path, error));
+    return false;
+  }
+  control.from = std::make_shared<const Checkpoint>(std::move(read.checkpoint));
+  return true;
+}
+
 int run_diagram(const RunOptions& o) {
   RunRequest request;
   if (!read_overrides(o.set, request.set) || !check_paths(o)) return input_wrong;
@@ -140,8 +158,16 @@ int run_diagram(const RunOptions& o) {
     complain(fmt::format("{} does not say when to stop: write  simulation: {{stop: 10}}  or give --stop 10", o.file));
     return input_wrong;
   }
-  Progress progress(!o.quiet);
+  request.save_at = o.save_at;
+  request.save_at_end = !o.save.empty() && o.save_at.empty();
+  request.partial = o.partial;
   RunControl control;
+  bool saved = true;
+  if (!o.save.empty()) {
+    control.save = [&](const Checkpoint& checkpoint) { saved = write_result(o.save, to_json(checkpoint)) && saved; };
+  }
+  if (!o.from.empty() && !read_checkpoint(o.from, control)) return input_wrong;
+  Progress progress(!o.quiet);
   control.cancel = &interrupted;
   control.time_limit = o.max_time;
   control.progress = [&progress](double fraction) { progress(fraction); };
@@ -159,7 +185,7 @@ int run_diagram(const RunOptions& o) {
   if (!run) return input_wrong;
 
   const double writing = seconds();
-  bool written = true;
+  bool written = saved;
   const bool on_terminal = is_terminal(STDOUT_FILENO);
   if (!o.out.empty() && o.out != "-") {
     written = write_result(o.out, bytes_of(run->recording, o.out));
@@ -210,6 +236,20 @@ PLANTLOOP_COMMAND(run) {
           "--format", o->format,
           fmt::format("formats of the figures, separated by commas: {}", fmt::join(plantloop::picture_formats(), ", ")))
       ->capture_default_str();
+  parser
+      .add_option(
+          "--save-at", o->save_at,
+          "a save point, in s: the solver starts anew there, so that a run that saves and one that goes on agree "
+          "to the last bit; any number of times")
+      ->allow_extra_args(false)
+      ->type_name("T");
+  parser
+      .add_option("--save", o->save,
+                  "write a checkpoint at each save point (the last one stays), without any at the end")
+      ->type_name("FILE");
+  parser.add_option("--from", o->from, "go on from a checkpoint")->type_name("FILE");
+  parser.add_flag("--partial", o->partial,
+                  "go on from a checkpoint of a diagram that has changed since: the values of equal paths");
   parser.add_option("--max-time", o->max_time, "stop the run after this many seconds")->check(CLI::PositiveNumber);
   parser.add_flag("--timing", o->timing, "print how long reading, compiling, simulating and writing took, in s");
   parser.add_flag("--quiet", o->quiet, "no summary, no progress");
@@ -217,6 +257,7 @@ PLANTLOOP_COMMAND(run) {
       "Examples:\n"
       "  plantloop run loop.yaml\n"
       "  plantloop run loop.yaml --set controller.ki=20 --stop 5 --out loop.csv\n"
-      "  plantloop run loop.yaml --figures out --format png,svg");
+      "  plantloop run loop.yaml --figures out --format png,svg\n"
+      "  plantloop run loop.yaml --stop 5 --save half.json && plantloop run loop.yaml --from half.json --stop 10");
   return [o] { return run_diagram(*o); };
 }

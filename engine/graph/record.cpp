@@ -87,7 +87,8 @@ class RecordingInstance final : public StaticInstance {
 
 class GraphRecording {
  public:
-  explicit GraphRecording(const Graph& graph) : g_(graph), instance_(*this, graph) {
+  GraphRecording(const Graph& graph, const std::vector<Probe>& probes, std::vector<RecordedProbe>* probed)
+      : g_(graph), instance_(*this, graph), probes_(probes), probed_(probed) {
     net_values_.resize(g_.nets.size());
     net_state_.resize(g_.nets.size(), new_net);
     parameter_values_.resize(g_.parameters.size());
@@ -163,6 +164,9 @@ class GraphRecording {
     value = value.spread(net.shape);
     if (const RateIndex rate = rate_of(net.rate); rate != 0 && net.kind != GraphNet::Kind::block_input)
       hold(value, rate);
+    for (const Probe& probe : probes_) {
+      if (probe.net == index) add_probe(probe, value);
+    }
     if (net_state_[index] == wired) {
       for (int i = 0; i < value.size(); ++i) recorder_.bind(net_values_[index][i], value[i]);
     }
@@ -236,6 +240,24 @@ class GraphRecording {
     for (const std::size_t i : order)
       rates_[i] = g_.rates[i].trigger != 0 ? recorder_.add_trigger()
                                            : recorder_.add_rate(g_.rates[i].period, g_.rates[i].offset);
+  }
+
+  void add_probe(const Probe& probe, Array& value) {
+    const GraphNet& net = g_.nets[probe.net];
+    const RateIndex rate = std::exchange(recorder_.rate, rate_of(net.rate));
+    for (int i = 0; i < value.size(); ++i) {
+      const std::string name = path_of(g_, net) + element_suffix(value.shape(), i);
+      const auto number = [&](const char* what, double start) {
+        result_.uses.push_back(ParameterUse::tunable);
+        return recorder_.parameter(what + name, start, std::string(net.unit));
+      };
+      RecordedProbe probed{name, 0, value[i]};
+      if (probe.open) probed.driver = value[i] * number("gain of ", 1);
+      probed.parameter = static_cast<std::uint32_t>(recorder_.record.parameters.size());
+      value[i] = probed.driver + number("probe of ", 0);
+      probed_->push_back(std::move(probed));
+    }
+    recorder_.rate = rate;
   }
 
   // What a sampled block shows is held between its hits, also where it only hands on what it reads.
@@ -777,6 +799,8 @@ class GraphRecording {
   Recorder recorder_;
   RecordedGraph result_;
   RecordingInstance instance_;
+  const std::vector<Probe>& probes_;
+  std::vector<RecordedProbe>* probed_;
   std::vector<Array> net_values_;
   std::vector<NetState> net_state_;
   std::vector<Array> parameter_values_;
@@ -1028,6 +1052,8 @@ void RecordingInstance::finish() {
 
 }  // namespace
 
-RecordedGraph record(const Graph& graph) { return GraphRecording(graph).run(); }
+RecordedGraph record(const Graph& graph, const std::vector<Probe>& probes, std::vector<RecordedProbe>* probed) {
+  return GraphRecording(graph, probes, probed).run();
+}
 
 }  // namespace plantloop

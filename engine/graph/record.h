@@ -59,6 +59,20 @@ struct RecordedGraph {
   }
 };
 
-RecordedGraph record(const Graph& graph);
+// A wire to which a number is added that can be set, 0 to begin with: an input of a linear model, the unknown of a
+// trim.
+struct Probe {
+  std::uint32_t net = 0;
+  bool open = false;  // what drives the wire is to count as constant there: `RecordedProbe::driver`
+};
+struct RecordedProbe {
+  std::string name;             // of the element: "plant.u", "x.3"
+  std::uint32_t parameter = 0;  // into Record::parameters
+  Value driver;                 // what is read without the number; an operation of its own when `open`
+};
+
+// With `probes`, appends one RecordedProbe for each element of each net to `probed`.
+RecordedGraph record(const Graph& graph, const std::vector<Probe>& probes = {},
+                     std::vector<RecordedProbe>* probed = nullptr);
 
 }  // namespace plantloop

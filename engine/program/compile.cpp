@@ -8,6 +8,7 @@
 
 #include "engine/base/report.h"
 #include "engine/program/differentiate.h"
+#include "engine/program/linear_lists.h"
 #include "engine/program/lower.h"
 #include "engine/program/program.h"
 #include "engine/program/resolve.h"
@@ -118,6 +119,7 @@ class Compiler {
     make_states();
     const std::vector<std::uint32_t> step_roots = unrolled_step();
     if (options_.dae) make_dae();
+    if (options_.linear) make_linear();
 
     Lowering slots(graph_, resolved_->activations);
     place_loops(slots);
@@ -182,6 +184,36 @@ class Compiler {
     program_->jacobian_is_exact = opaque.empty();
     for (const auto site : opaque) program_->differenced.push_back(record_.sites[site].path);
     return entries;
+  }
+
+  void make_linear() {
+    linear_ = linear_partials(*resolved_, record_.states.size(), record_.discretes.size(),
+                              {options_.linear_by, options_.linear_open, options_.linear_hits});
+    for (const auto site : linear_.opaque) program_->linear.missing.push_back(record_.sites[site].path);
+    for (const auto id : linear_.held) {
+      program_->linear.held_masks.push_back(graph_.operations[id].mask);
+      program_->linear.held_names.push_back(record_.sites[graph_.operations[id].site].path);
+    }
+  }
+
+  Program::PartialList lower_partials(Lowering& slots, const std::vector<Partial>& entries, bool rows_are_states) {
+    const auto states = static_cast<std::uint32_t>(record_.states.size());
+    Program::PartialList partials;
+    Lowering::Request request;
+    for (const Partial& p : entries) {
+      partials.row.push_back(rows_are_states && p.row < states ? program_->place_of_state[p.row] : p.row);
+      partials.column.push_back(p.column < states ? program_->place_of_state[p.column] : p.column);
+      request.roots.push_back(graph_.id_of(p.value));
+    }
+    slots.grow();
+    if (!request.roots.empty()) partials.list = slots.lower(request);
+    return partials;
+  }
+
+  void lower_linear(Lowering& slots) {
+    program_->linear.flow = lower_partials(slots, linear_.flow, true);
+    for (const std::vector<Partial>& entries : linear_.hits)
+      program_->linear.hits.push_back(lower_partials(slots, entries, false));
   }
 
   void make_states() {
@@ -270,6 +302,7 @@ class Compiler {
     }
     lower_jacobian(slots, jacobian);
     if (options_.dae) lower_dae(slots);
+    if (options_.linear) lower_linear(slots);
 
     Lowering::Request initial;
     initial.roots = by_place(resolved_->initial_states);
@@ -566,6 +599,7 @@ class Compiler {
   std::vector<std::uint32_t> dae_roots_, dae_unknowns_;
   std::vector<Partial> dae_jacobian_;
   bool dae_is_exact_ = true;
+  LinearPartials linear_;
   std::vector<std::uint32_t> guard_roots_;
   std::vector<std::uint16_t> kernel_activations_;
   std::vector<SlotIndex> enabled_;            // per jump

@@ -129,6 +129,22 @@ struct Program {
   bool jacobian_is_exact = true;
   std::vector<std::string> differenced;  // kernels without derivative, named in the report
 
+  // Exact partial derivatives, when CompileOptions::linear asks for them: entry k is in this row and column and its
+  // value stands, once the list has run, in the slot list.roots[k].
+  struct PartialList {
+    List list;
+    std::vector<std::uint32_t> row, column;
+  };
+  // Columns of both: the states by place, the discrete states, the parameters asked for, the held values, the time.
+  struct Linear {
+    PartialList flow;               // rows: derivatives by place, then watches
+    std::vector<PartialList> hits;  // for each set of rates asked for: held values, then next values, then watches
+    std::vector<Mask> held_masks;   // of the held values: when they are computed anew
+    std::vector<std::string> held_names;
+    std::vector<std::string> missing;  // kernels whose derivative is not known and left out
+  };
+  Linear linear;
+
   // From the Record, for messages and settings.
   std::vector<RecordedRate> rates;
   std::vector<RecordedParameter> parameter_info;
@@ -150,9 +166,13 @@ struct CompileOptions {
       numbers;  // values over parameters only, to be read after parameter_list: settings, bounds, expectations
   bool jacobian = true;
   bool loops_are_errors = false;
-  bool dae = false;           // make dae_list for a solver that takes the unknowns of loops as variables
-  std::string unroll_method;  // "euler", "heun" or "rk4": make step_list when the derivatives are few
-  double unroll_step = 0;     // its step size in s
+  bool dae = false;                        // make dae_list for a solver that takes the unknowns of loops as variables
+  bool linear = false;                     // make Program::linear
+  std::vector<std::uint32_t> linear_by;    // parameters of the Record, as columns
+  std::vector<std::uint32_t> linear_open;  // watches that count as constant where they are read
+  std::vector<Mask> linear_hits;           // sets of rates with hits at one instant
+  std::string unroll_method;               // "euler", "heun" or "rk4": make step_list when the derivatives are few
+  double unroll_step = 0;                  // its step size in s
 };
 
 // Null after reporting loops that cannot be solved (or any, when they are errors) or initial values that depend on each

@@ -87,6 +87,13 @@ Clockwork::Clockwork(Frame& frame, double start, double stop) : frame_(frame), s
   find_next();
 }
 
+void Clockwork::resume() {
+  for (std::size_t r = 1; r < hit_times_.size(); ++r) hit_times_[r] = hit_time(r);
+  for (std::size_t s = 0; s < instant_times_.size(); ++s) instant_times_[s] = instant(s);
+  hit_rates_.clear();
+  find_next();
+}
+
 double Clockwork::hit_time(std::size_t rate) const {
   const RecordedRate& r = frame_.program->rates[rate];
   const std::int64_t k = frame_.next_hit[rate];

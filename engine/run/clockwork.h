@@ -24,6 +24,8 @@ class Clockwork {
   void trigger(RateIndex rate);
   void no_hits() { hit_rates_.clear(); }                                  // at an instant that is no hit of a clock
   const std::vector<RateIndex>& hit_rates() const { return hit_rates_; }  // of the present instant
+  // Goes on from the frame's numbers of the next hits and instants, as a checkpoint restored them.
+  void resume();
 
  private:
   double hit_time(std::size_t rate) const;

@@ -10,6 +10,7 @@
 
 #include "engine/base/numbers.h"
 #include "engine/run/check_expect.h"
+#include "engine/run/checkpoint.h"
 #include "engine/run/expect.h"
 
 namespace plantloop {
@@ -150,6 +151,10 @@ void check_solver(const SimulationOptions& options, const Mark& mark, Report& re
 
 }  // namespace
 
+SimulationOptions read_settings(const Model& model, const Graph& graph, Report& report) {
+  return Settings(model, graph, report).read();
+}
+
 std::shared_ptr<const CompiledDiagram> Diagram::build(const Overrides& set, const std::string& unroll_method,
                                                       double unroll_step, Report& report) const {
   const double start = seconds();
@@ -158,7 +163,7 @@ std::shared_ptr<const CompiledDiagram> Diagram::build(const Overrides& set, cons
   if (model_->is_library) return nullptr;
   compiled->graph = elaborate(model_, set, report);
   if (!compiled->graph || report.error_count() > errors) return nullptr;
-  compiled->options = Settings(*model_, *compiled->graph, report).read();
+  compiled->options = read_settings(*model_, *compiled->graph, report);
   compiled->recorded = plantloop::record(*compiled->graph);
   check_expect(*compiled->graph, compiled->recorded.record, compiled->options, report);
   CompileOptions options;
@@ -292,6 +297,30 @@ void set_parameters(const CompiledDiagram& built, const Overrides& set, Frame& f
   }
 }
 
+// Goes on from the checkpoint's time, counting from the first run's start.
+void check_checkpoint(const Checkpoint& from, const Program& program, const RunRequest& request,
+                      SimulationOptions& options, Report& report) {
+  options.start = from.start;
+  if (!(options.stop > from.time))
+    report.error({}, "the run stops at {} s, which is not after the checkpoint's time, {} s", options.stop, from.time);
+  if (from.structure == structure_of(program) || request.partial) return;
+  Finding& finding = report.error({}, "the checkpoint is of another diagram, or of this one before it changed");
+  const std::vector<std::string> missing = missing_in(from, program), extra = extra_in(from, program);
+  if (!missing.empty()) finding.hint(fmt::format("it does not have: {}", fmt::join(missing, ", ")));
+  if (!extra.empty()) finding.hint(fmt::format("only it has: {}", fmt::join(extra, ", ")));
+  finding.hint("with 'partial' the values of equal paths are taken, and all else starts anew");
+}
+
+void check_save_points(const RunRequest& request, double begin, SimulationOptions& options, Report& report) {
+  options.save_times = request.save_at;
+  if (request.save_at_end) options.save_times.push_back(options.stop);
+  for (const double t : options.save_times) {
+    if (!(t >= begin && t <= options.stop))
+      report.error({}, "the save point {} s lies outside of the run, which goes from {} s to {} s", t, begin,
+                   options.stop);
+  }
+}
+
 std::map<const Expression*, double> numbers_of(const CompiledDiagram& built, const Frame& frame) {
   std::map<const Expression*, double> numbers;
   for (const auto& [expression, index] : built.numbers)
@@ -332,6 +361,7 @@ std::optional<PreparedRun> Diagram::prepare(const RunRequest& request, Report& r
 std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report, const RunControl& control,
                                        DiagramRun* partial) {
   const double start = seconds();
+  const std::size_t errors = report.error_count();
   std::optional<PreparedRun> prepared = prepare(request, report);
   if (!prepared) return std::nullopt;
   const CompiledDiagram& built = *prepared->compiled;
@@ -351,6 +381,9 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
     const auto& times = baseline.table.columns[baseline.time_column];
     options.sample_times.insert(options.sample_times.end(), times.begin(), times.end());
   }
+  if (control.from) check_checkpoint(*control.from, *built.program, request, options, report);
+  check_save_points(request, control.from ? control.from->time : options.start, options, report);
+  if (report.error_count() > errors) return std::nullopt;
   run.recording.provenance["diagram"] = model_->path;
   if (!model_->title.empty()) run.recording.provenance["title"] = model_->title;
   run.recording.provenance["solver"] = options.solver;

@@ -24,6 +24,9 @@ struct RunRequest {
   Overrides set;
   std::optional<double> start, stop, step, rtol, atol, max_step, output_interval;
   std::optional<std::string> solver;
+  std::vector<double> save_at;       // s; save points, see engine/run/checkpoint.h
+  bool save_at_end = false;          // the stop is one, too
+  bool partial = false;              // go on from a checkpoint of another structure: values of equal paths
   std::optional<double> max_memory;  // bytes that the recording may take
 };
 
@@ -71,6 +74,9 @@ struct PreparedRun {
   std::unique_ptr<Frame> frame;  // with the parameters set
   std::vector<RecordedColumn> columns;
 };
+
+// The settings of `simulation:`, after reporting what is wrong about them.
+SimulationOptions read_settings(const Model& model, const Graph& graph, Report& report);
 
 class Diagram {
  public:

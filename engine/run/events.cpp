@@ -328,6 +328,24 @@ void Events::remember_guards() {
   roots_.remember(guard_values_);
 }
 
+void Events::save(Checkpoint& checkpoint) const {
+  const RootFinder::Memory memory = roots_.memory();
+  checkpoint.signs = memory.signs;
+  checkpoint.at_zero = memory.at_zero;
+  checkpoint.was_open = was_open_;
+  checkpoint.last_event = last_event_;
+  checkpoint.quiet_until = quiet_until_;
+  checkpoint.in_a_row = in_a_row_;
+}
+
+void Events::restore(const Checkpoint& checkpoint) {
+  roots_.set_memory({checkpoint.signs, checkpoint.at_zero});
+  was_open_ = checkpoint.was_open;
+  last_event_ = checkpoint.last_event;
+  quiet_until_ = checkpoint.quiet_until;
+  in_a_row_ = checkpoint.in_a_row;
+}
+
 void Events::settle(Mask bits) {
   frame_.arena[program_.time] = run_.t;
   KernelFrame kernels = frame_.kernel_frame(false);

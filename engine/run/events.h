@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/run/checkpoint.h"
 #include "engine/run/kernel_advance.h"
 #include "engine/run/rows.h"
 #include "engine/run/run_state.h"
@@ -34,6 +35,9 @@ class Events {
   void remember_guards();
   // Something else happens: what a Zeno policy holds may move again.
   void release();
+  // What is known of the past, for checkpoints.
+  void save(Checkpoint& checkpoint) const;
+  void restore(const Checkpoint& checkpoint);
 
  private:
   void guards_at(double t, double* values);

@@ -49,6 +49,15 @@ void Rows::begin() {
   recording_.reserve(static_cast<std::size_t>(std::min(rows, 4e6)) + 64);
 }
 
+void Rows::resume() {
+  begin();
+  const double t = run_.t;
+  while (options_.output_interval > 0 && grid_.at(next_grid_) <= t) ++next_grid_;
+  while (next_sample() <= t || sampled_with(t)) ++next_sample_;
+  evaluate_row(t, false);
+  append(t, 0);
+}
+
 void Rows::log_step(double t) {
   evaluate_row(t, true);
   append(t, 0);

@@ -19,6 +19,8 @@ class Rows {
   Recording& recording() { return recording_; }
   // Refuses what is known to be too long; makes room for what is known to come.
   void begin();
+  // The same for a run that goes on from a checkpoint, with a row at the run's time.
+  void resume();
   // Rows inside an accepted step: the output grid, or as many as keep the gaps small; and samples there.
   void log_between(double before, double after);
   // The row at the end of a step: the left one, should something jump here.

@@ -13,6 +13,7 @@
 #include "engine/base/error.h"
 #include "engine/program/resolve.h"
 #include "engine/run/blame.h"
+#include "engine/run/checkpoint.h"
 #include "engine/run/events.h"
 #include "engine/run/grid.h"
 #include "engine/run/kernel_advance.h"
@@ -36,6 +37,7 @@ class Runner {
         frame_(frame),
         program_(*frame.program),
         options_(options),
+        control_(control),
         kernels_(run_),
         rows_(run_, recording),
         events_(run_, kernels_, rows_),
@@ -47,8 +49,9 @@ class Runner {
                                                          : run_.gap) {}
 
   RunStatistics run() {
-    start();
-    while (run_.t < options_.stop && !run_.ended()) {
+    take_save_times();
+    begin();
+    while (run_.t < options_.stop && !run_.ended() && !options_.only_start) {
       const double stop = next_stop();
       const double grid = next_grid_stop();
       advance_to(grid < stop && !is_same_instant(grid, stop) ? grid : stop);
@@ -61,17 +64,25 @@ class Runner {
  private:
   // --- the start --------------------------------------------------------------------------------------------------
 
-  void start() {
-    run_.t = options_.start;
-    rows_.begin();
+  void begin() {
+    const Checkpoint* const from = control_.from.get();
+    const bool resumes = from != nullptr && from->structure == structure_of(program_);
+    run_.t = from != nullptr ? from->time : options_.start;
+    if (resumes) {
+      resume(*from);
+    } else {
+      start(from);
+    }
+  }
+
+  // All but the states as at a start.
+  void prepare() {
     execute(program_.parameter_list, frame_.arena);
     KernelFrame kernels = frame_.kernel_frame(false);
     reset_loops(program_, frame_.arena, kernels);
     for (const auto slot : program_.modes) frame_.arena[slot] = 0;
-    run_.clockwork.emplace(frame_, options_.start, options_.stop);
+    run_.clockwork.emplace(frame_, run_.t, options_.stop);
     frame_.arena[program_.time] = run_.t;
-    give_initial_values();
-    for (std::size_t m = 0; m < program_.modes.size(); ++m) frame_.arena[program_.modes[m]] = 0;
     has_continuous_ = frame_.state_count() > 0 || !events_.none();
     for (const Mask mask : program_.watch_masks)
       has_continuous_ = has_continuous_ || (mask & (continuous_bit | event_bit)) != 0;
@@ -82,16 +93,31 @@ class Runner {
     }
     if (frame_.state_count() > 0) {
       system_.emplace(frame_, options_.step, run_.still);
-      SolverOptions solver;
-      solver.solver = options_.solver;
-      solver.start = options_.start;
-      solver.stop = options_.stop;
-      solver.step = options_.step;
-      solver.rtol = options_.rtol;
-      solver.atol = options_.atol;
-      solver.max_step = options_.max_step;
-      run_.integrator = make_integrator(*system_, solver);
+      make_solver();
     }
+  }
+
+  // An integrator without any past.
+  void make_solver() {
+    if (!system_) return;
+    if (run_.integrator) add_solver_statistics();
+    SolverOptions solver;
+    solver.solver = options_.solver;
+    solver.start = options_.start;
+    solver.stop = options_.stop;
+    solver.step = options_.step;
+    solver.rtol = options_.rtol;
+    solver.atol = options_.atol;
+    solver.max_step = options_.max_step;
+    run_.integrator = make_integrator(*system_, solver);
+  }
+
+  void start(const Checkpoint* from) {
+    rows_.begin();
+    prepare();
+    give_initial_values();
+    for (std::size_t m = 0; m < program_.modes.size(); ++m) frame_.arena[program_.modes[m]] = 0;
+    if (from != nullptr) restore_by_path(*from, frame_);
     const Mask bits = run_.clockwork->advance(run_.t);
     events_.settle(every_bit);
     run_.accept_loops();
@@ -99,6 +125,49 @@ class Runner {
     rows_.log_right(bits);
     update(bits);
     if (!kernels_.none()) kernels_.continuous(false);
+    run_.restart = true;
+    save_if_due();
+  }
+
+  void resume(const Checkpoint& from) {
+    prepare();
+    restore(from, frame_);
+    run_.clockwork->resume();
+    events_.restore(from);
+    rows_.resume();
+    run_.restart = true;
+  }
+
+  // --- save points ------------------------------------------------------------------------------------------------
+
+  void take_save_times() {
+    save_times_ = options_.save_times;
+    std::sort(save_times_.begin(), save_times_.end());
+    const double begin = control_.from ? control_.from->time : options_.start;
+    while (next_save_ < save_times_.size() && save_times_[next_save_] < begin) ++next_save_;
+    if (control_.from && next_save_ < save_times_.size() && save_times_[next_save_] == begin) ++next_save_;
+  }
+
+  double next_save() const {
+    return next_save_ < save_times_.size() ? save_times_[next_save_] : std::numeric_limits<double>::infinity();
+  }
+  bool save_is_due() const {
+    return next_save_ < save_times_.size() && (next_save() <= run_.t || is_same_instant(next_save(), run_.t));
+  }
+
+  // What follows a save point knows nothing of the steps before it, whether it is the same run or another one.
+  void save_if_due() {
+    if (!save_is_due()) return;
+    while (save_is_due()) ++next_save_;
+    if (control_.save) {
+      Checkpoint checkpoint;
+      checkpoint.start = options_.start;
+      checkpoint.time = run_.t;
+      save(frame_, checkpoint);
+      events_.save(checkpoint);
+      control_.save(checkpoint);
+    }
+    make_solver();
     run_.restart = true;
   }
 
@@ -133,6 +202,7 @@ class Runner {
   double next_stop() {
     double stop = options_.stop;
     if (const double next = run_.clockwork->next(); next < stop && !is_same_instant(next, stop)) stop = next;
+    if (const double saved = next_save(); saved < stop && !is_same_instant(saved, stop)) stop = saved;
     if (const double jump = kernels_.next_jump(); jump < stop && !is_same_instant(jump, stop)) stop = jump;
     return stop;
   }
@@ -274,7 +344,8 @@ class Runner {
       held_before_[i] = frame_.arena[program_.held_in_derivatives[i]];
     events_.take_holds(run_.t);
     Mask bits = run_.clockwork->advance(run_.t);
-    if (bits == 0 && has_continuous_ && run_.t >= options_.stop) return;  // the last row stands already
+    if (bits == 0 && has_continuous_ && run_.t >= options_.stop && !save_is_due())
+      return;  // the last row stands already
     if (!kernels_.none() && kernels_.jumps_by(run_.t)) {
       kernels_.continuous(false);
       run_.restart = true;
@@ -291,6 +362,7 @@ class Runner {
     run_.statistics.hits += static_cast<std::int64_t>(run_.clockwork->hit_rates().size());
     if (frame_.state_count() > 0)
       ++(run_.restart ? run_.statistics.solver.cold_restarts : run_.statistics.solver.hot_restarts);
+    save_if_due();
   }
 
   // The discrete states of the rates that had a hit. What anybody reads are copies taken at the hit, so no order
@@ -325,16 +397,23 @@ class Runner {
   void finish() {
     run_.statistics.rows = static_cast<std::int64_t>(rows_.recording().rows());
     if (!run_.integrator) return;
+    add_solver_statistics();
+    run_.statistics.solver.evaluations += steps_by_list_ * stages_of(options_.solver);
+  }
+
+  // Of the present integrator, before another one takes its place.
+  void add_solver_statistics() {
     const SolverStatistics& s = run_.integrator->statistics();
-    run_.statistics.solver.rejected = s.rejected;
-    run_.statistics.solver.evaluations = s.evaluations + steps_by_list_ * stages_of(options_.solver);
-    run_.statistics.solver.jacobians = s.jacobians;
+    run_.statistics.solver.rejected += s.rejected;
+    run_.statistics.solver.evaluations += s.evaluations;
+    run_.statistics.solver.jacobians += s.jacobians;
   }
 
   RunState run_;
   Frame& frame_;
   const Program& program_;
   const SimulationOptions& options_;
+  const RunControl& control_;
   KernelAdvance kernels_;
   Rows rows_;
   Events events_;
@@ -343,6 +422,8 @@ class Runner {
   TimeGrid step_grid_;  // of a diagram without states
   std::int64_t next_step_ = 1;
   std::optional<ProgramSystem> system_;
+  std::vector<double> save_times_;
+  std::size_t next_save_ = 0;
   bool has_continuous_ = true;
   std::int64_t steps_by_list_ = 0;
 };

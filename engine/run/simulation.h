@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,13 +28,19 @@ struct SimulationOptions {
   std::int64_t max_rows = 100'000'000;
   std::vector<double> sample_times;  // s; Recording::samples has all columns there, beside the rows
   double max_memory = 16e9;          // bytes that the recording may take
+  std::vector<double> save_times;    // s; save points: stops at which the solver starts anew
+  bool only_start = false;           // end after the initial values, events and row of the start
 };
 
 // How the outside takes part in a run; called between steps, never inside one.
 struct RunControl {
-  const std::atomic<bool>* cancel = nullptr;      // set from anywhere: the run ends with a LimitError
-  double time_limit = 0;                          // s of processor clock; 0: none
-  std::function<void(double fraction)> progress;  // of the simulated time, at most some ten times a second
+  const std::atomic<bool>* cancel = nullptr;           // set from anywhere: the run ends with a LimitError
+  double time_limit = 0;                               // s of processor clock; 0: none
+  std::function<void(double fraction)> progress;       // of the simulated time, at most some ten times a second
+  std::function<void(const struct Checkpoint&)> save;  // called at each save point
+  // Where to go on from: options.start is that of the first run. A checkpoint of another structure gives the values of
+  // equal paths at its time, and all else starts anew there.
+  std::shared_ptr<const struct Checkpoint> from;
 };
 
 struct RunStatistics {

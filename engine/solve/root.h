@@ -52,8 +52,18 @@ class RootFinder {
   bool fires(std::size_t i, double value) const;
   // The values at t1 of the last first() that found nothing.
   std::span<const double> values() const { return right_; }
-  // The last nonzero signs, -1 or 1; 0 while a function was only zero. Writable: checkpoints keep them.
+  // The last nonzero signs, -1 or 1; 0 while a function was only zero.
   std::vector<std::int8_t>& signs() { return signs_; }
+  // All that is remembered, for checkpoints.
+  struct Memory {
+    std::vector<std::int8_t> signs;
+    std::vector<bool> at_zero;
+  };
+  Memory memory() const { return {signs_, at_zero_}; }
+  void set_memory(const Memory& memory) {
+    signs_ = memory.signs;
+    at_zero_ = memory.at_zero;
+  }
 
  private:
   bool collect(const std::vector<double>& values);

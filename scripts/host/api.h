@@ -43,6 +43,7 @@ Entries matrix_functions();
 Entries vector_methods();
 Entries diagram_functions();
 Entries diagram_methods();
+Entries analysis_methods();  // of diagrams, too
 Entries run_methods();
 Entries figure_functions();
 Entries figure_methods();

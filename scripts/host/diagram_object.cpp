@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "engine/base/files.h"
 #include "engine/base/numbers.h"
+#include "engine/run/checkpoint.h"
 #include "scripts/host/api.h"
 #include "scripts/host/objects.h"
 #include "scripts/host/session.h"
@@ -105,7 +107,8 @@ Overrides settings(lua_State* L, int index, const Overrides& base) {
 
 RunRequest request_of(lua_State* L, int index, const Overrides& base) {
   const Options options(L, index, "the options of run",
-                        {"set", "start", "stop", "step", "solver", "rtol", "atol", "max_step", "output_interval"});
+                        {"set", "start", "stop", "step", "solver", "rtol", "atol", "max_step", "output_interval",
+                         "save_at", "save", "from", "partial"});
   RunRequest request{.set = base};
   if (options.push("set")) {
     request.set = settings(L, -1, base);
@@ -119,7 +122,37 @@ RunRequest request_of(lua_State* L, int index, const Overrides& base) {
   request.max_step = options.number("max_step");
   request.output_interval = options.number("output_interval");
   if (options.has("solver")) request.solver = options.text("solver");
+  if (const auto save_at = options.number("save_at")) request.save_at = {*save_at};
+  request.save_at_end = options.has("save") && request.save_at.empty();
+  request.partial = options.flag("partial");
   return request;
+}
+
+// `from` and `save` are files: read inside the project, written below the working directory.
+void prepare_checkpoints(lua_State* L, Session& session, RunControl& control) {
+  if (!lua_istable(L, 2)) return;
+  const auto path = [&](const char* key) -> std::string {
+    lua_getfield(L, 2, key);
+    std::string text = lua_isnil(L, -1) ? "" : text_argument(L, -1, key);
+    lua_pop(L, 1);
+    return text;
+  };
+  if (const std::string from = path("from"); !from.empty()) {
+    const FileResult place = session.readable(from);
+    const FileResult file = place.ok() ? read_file(place.value) : place;
+    if (!file.ok()) throw ScriptError(fmt::format("cannot read '{}': {}", from, file.error));
+    CheckpointResult read = checkpoint_from_json(file.value);
+    if (!read.ok()) throw ScriptError(fmt::format("cannot read '{}': {}", from, read.error));
+    control.from = std::make_shared<const Checkpoint>(std::move(read.checkpoint));
+  }
+  if (const std::string save = path("save"); !save.empty()) {
+    const FileResult place = session.writable(save);
+    if (!place.ok()) throw ScriptError(fmt::format("cannot save '{}': {}", save, place.error));
+    control.save = [file = place.value, save](const Checkpoint& checkpoint) {
+      const std::string error = write_file(file, to_json(checkpoint));
+      if (!error.empty()) throw ScriptError(fmt::format("cannot save '{}': {}", save, error));
+    };
+  }
 }
 
 int run(lua_State* L) {
@@ -132,6 +165,7 @@ int run(lua_State* L) {
   if (session.options.progress) {
     control.progress = [&](double fraction) { session.options.progress(self.diagram->model().path, fraction); };
   }
+  prepare_checkpoints(L, session, control);
   session.sandbox.work(L, 1000);
   session.sandbox.tidy(L);
   request.max_memory = static_cast<double>(session.sandbox.bytes_left());
@@ -188,8 +222,9 @@ int index(lua_State* L) {
   } else if (name == "parameters") {
     push_parameters(L, self);
   } else if (lua_getfield(L, lua_upvalueindex(1), name.c_str()) == LUA_TNIL) {
-    throw ScriptError(fmt::format("a diagram has no '{}'{}", name,
-                                  suggestion(name, {"run", "check", "with", "title", "path", "parameters"})));
+    throw ScriptError(
+        fmt::format("a diagram has no '{}'{}", name,
+                    suggestion(name, {"run", "check", "with", "linearise", "trim", "title", "path", "parameters"})));
   }
   return 1;
 }
@@ -211,11 +246,12 @@ Entries diagram_functions() {
 }
 
 Entries diagram_methods() {
-  return {
+  Entries methods{
       {"run", guarded<run>,
        "options?: {set?: table<string, number|string|pl.Vector>, start?: number, stop?: number, step?: number, "
        "solver?: "
-       "string, rtol?: number, atol?: number, max_step?: number, output_interval?: number}",
+       "string, rtol?: number, atol?: number, max_step?: number, output_interval?: number, save_at?: number, save?: "
+       "string, from?: string, partial?: boolean}",
        "pl.Run",
        "simulates; what is not given is as the file says. `set` gives parameters other values or expressions"},
       {"check", guarded<check>, "options?: {set?: table<string, number|string|pl.Vector>}", "boolean, string",
@@ -223,6 +259,8 @@ Entries diagram_methods() {
       {"with", guarded<with>, "set: table<string, number|string|pl.Vector>", "pl.Diagram",
        "the same diagram with other values of parameters"},
   };
+  for (const Entry& entry : analysis_methods()) methods.push_back(entry);
+  return methods;
 }
 
 void open_diagrams(lua_State* L) {
