@@ -94,6 +94,7 @@ Ida::Ida(OdeSystem& system, const SolverOptions& options)
   check(IDASetErrHandlerFn(memory_.get(), ignore_error, nullptr));
 #endif
   N_VConst(0, y_.get());
+  std::copy_n(system_.state(), n_, y());
   N_VConst(0, rate_.get());
   check(IDAInit(memory_.get(), residual, t_, y_.get(), rate_.get()));
   check(IDASetUserData(memory_.get(), this));

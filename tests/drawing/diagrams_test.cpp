@@ -43,7 +43,8 @@ std::shared_ptr<const Graph> graph_of_text(const std::string& text) {
 std::vector<std::string> diagram_files() {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator("diagrams"))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+    if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "models")
+      files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());
   return files;
 }

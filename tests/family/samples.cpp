@@ -86,6 +86,10 @@ std::vector<Sample> candidates(const BlockType& type) {
   for (const Input* input : type.block->inputs) {
     if (std::isnan(input->spec.init)) extend(std::string(input->name), input->spec.size);
   }
+  Sample closed = with_parameters(type, Fill::vectors);
+  closed.closed = true;
+  for (const Input* input : type.block->inputs) closed.inputs.emplace_back(input->name, 1);
+  if (!closed.inputs.empty()) found.push_back(closed);
   return found;
 }
 
@@ -116,7 +120,8 @@ std::string Sample::instance(const std::string& name, const std::string& prefix)
   if (inputs.empty()) return text;
   text += "    in:";
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const std::string signal = wire(fmt::format("{}{}", prefix, i + 1), inputs[i].second);
+    const std::string own = closed ? " - " + name : "";
+    const std::string signal = wire(fmt::format("{}{}{}", prefix, i + 1, own), inputs[i].second);
     text += list ? fmt::format("\n      - {}", signal) : fmt::format("\n      {}: {}", inputs[i].first, signal);
   }
   return text + "\n";

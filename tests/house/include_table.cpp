@@ -21,12 +21,14 @@ const std::vector<Layer>& layers() {
        "analysis",
        {"engine/base", "engine/program", "engine/block", "engine/diagram", "engine/graph", "engine/solve",
         "engine/run"}},
+      // Model files are YAML, and there is one reader of YAML.
+      {"identify", "identify", {"engine/base", "engine/diagram/document.h"}},
+      // What the blocks of learned models share: a block has no header.
+      {"learned", "learned", {"engine/base", "engine/block.h", "engine/program/kernel.h", "identify"}},
       {"blocks",
        "blocks",
        {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_design.h", "engine/block_random.h",
-        "engine/program/kernel.h"}},
-      // Model files are YAML, and there is one reader of YAML.
-      {"identify", "identify", {"engine/base", "engine/diagram/document.h"}},
+        "engine/program/kernel.h", "learned", "identify"}},  // learned models are blocks too
       {"render", "render", {"engine/base"}},
       {"app/figures", "figures", {"engine", "render"}},  // shared by the commands and the Lua host
       {"app/drawing", "drawing", {"engine", "render"}},  // a library, so that tests can look at drawings
