@@ -45,7 +45,9 @@ struct System {
 // derivatives of those states.
 void reduce_rows(System& s, double scale) {
   while (s.c.rows() > 0) {
-    const Eigen::JacobiSVD<Eigen::MatrixXd> of_d(s.d, Eigen::ComputeFullU);
+    // Of a matrix without columns Eigen knows no singular values.
+    Eigen::JacobiSVD<Eigen::MatrixXd> of_d;
+    if (s.d.cols() > 0) of_d.compute(s.d, Eigen::ComputeFullU);
     const Eigen::Index sigma = s.d.cols() == 0 ? 0 : rank_of(of_d, scale);
     if (sigma == s.c.rows()) return;
     const Eigen::Index rest = s.c.rows() - sigma;
@@ -56,7 +58,8 @@ void reduce_rows(System& s, double scale) {
     }
     const Eigen::MatrixXd c2 = s.c.bottomRows(rest);
     const Eigen::MatrixXd c1 = s.c.topRows(sigma), d1 = s.d.topRows(sigma);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> of_c(c2, Eigen::ComputeFullV);
+    Eigen::JacobiSVD<Eigen::MatrixXd> of_c;
+    if (s.a.rows() > 0) of_c.compute(c2, Eigen::ComputeFullV);
     const Eigen::Index rho = s.a.rows() == 0 ? 0 : rank_of(of_c, scale);
     if (rho == 0) {
       s.c = c1, s.d = d1;

@@ -8,7 +8,11 @@ namespace plantloop {
 
 namespace {
 
-bool is_held(const Operation& o) { return !is_leaf(o.op) && !o.is_continuous() && !o.is_parameter_only(); }
+// Held from hit to hit. What changes at events only, as a source's segment, is computed from what is there.
+bool is_held(const Operation& o) {
+  const bool sampled = (o.mask & ~(continuous_bit | event_bit)) != 0;
+  return !is_leaf(o.op) && !o.is_continuous() && sampled;
+}
 
 // What an operation reads at the same instant.
 std::vector<std::uint32_t> operands(const OperationGraph& graph, std::uint32_t id) {

@@ -54,6 +54,17 @@ TEST(S16Linearise, AtTheInitialValues) {
   EXPECT_EQ(m.y[0], 0.5);
 }
 
+// A step changes at its event only, and what is added to it reaches the states all the same.
+TEST(S16Linearise, AnInputMayBeASourceThatJumps) {
+  const LinearModel m = linear(
+      "blocks:\n  r: {type: step, time: 0.5}\n  x: {type: integrator, in: 3*(r - x)}\n"
+      "simulation: {stop: 1}\n",
+      {.inputs = {"r"}, .outputs = {"x"}});
+  EXPECT_EQ(m.A(0, 0), -3);
+  EXPECT_EQ(m.B(0, 0), 3);
+  EXPECT_TRUE(zeros(m).empty());
+}
+
 TEST(S16Linearise, AtATimeOfARun) {
   const LinearModel m = linear(pendulum, {.at = 0.7});
   EXPECT_EQ(m.time, 0.7);
