@@ -400,7 +400,7 @@ class RateFinding {
   }
   // At the greatest common divisor every change of both is seen.
   static std::string suggested_rate(const ClockRate& fast, const ClockRate& slow, const std::string& name) {
-    const std::string other = "put a zero_order_hold or rate_transition with a rate in between";
+    const std::string other = "put a zero_order_hold with a rate in between";
     if (fast.trigger != 0 || slow.trigger != 0) return fmt::format("give '{}' a rate of its own, or {}", name, other);
     std::optional<Rational> common = gcd(fast.period, slow.period);
     const std::optional<Rational> shift = subtract(slow.offset, fast.offset);
