@@ -397,8 +397,21 @@ class Showing {
     for (const ExpressionPtr& tree : trees) {
       if (!tree) continue;
       BoundExpression bound = e_.bind(tree, 0);
-      if (resolve(e_, bound, Context::parameter)) g_.numbers.emplace_back(tree.get(), bound);
+      if (resolve(e_, bound, Context::parameter) && all_exist(bound)) g_.numbers.emplace_back(tree.get(), bound);
     }
+  }
+
+  // Whether the elements that an expression over parameters names are there; says of those of sound ones when not.
+  bool all_exist(const BoundExpression& bound) {
+    const Code& code = *bound.code;
+    for (std::size_t i = 0; i < code.names.size(); ++i) {
+      const Reference& r = g_.references[bound.first_reference + i];
+      if (r.kind != Reference::Kind::parameter) continue;
+      const GraphParameter& p = g_.parameters[r.index];
+      if (p.bad || !p.shape.is_known()) return false;
+      if (!r.whole && !element_exists(e_.findings, *code.names[i], r, p.shape)) return false;
+    }
+    return true;
   }
 
   Elaboration& e_;

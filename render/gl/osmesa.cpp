@@ -11,6 +11,9 @@
 // Asked for by the leak checker of a sanitized build: Mesa and LLVM keep memory until the process ends.
 extern "C" __attribute__((weak)) const char* __lsan_default_suppressions();
 const char* __lsan_default_suppressions() { return "leak:libOSMesa\nleak:libLLVM\n"; }
+// Without a word about it on standard error.
+extern "C" __attribute__((weak)) const char* __lsan_default_options();
+const char* __lsan_default_options() { return "print_suppressions=0"; }
 
 namespace plantloop {
 namespace {

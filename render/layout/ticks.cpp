@@ -74,6 +74,7 @@ std::vector<Step> steps_near(double size, bool degrees) {
       result.push_back(step);
     return result;
   }
+  if (!std::isfinite(size) || size <= 0) return result;
   const int decade = static_cast<int>(std::floor(std::log10(size)));
   for (int e = decade - 1; e <= decade + 1; ++e)
     for (Step step : decimal_steps) {

@@ -51,8 +51,8 @@ int repeat(lua_State* L) {
   session_of(L).sandbox.make_room(L, 2 * size);
   luaL_Buffer buffer;
   char* const out = luaL_buffinitsize(L, &buffer, size);
-  std::memcpy(out, text.data(), text.size());
-  std::memcpy(out + text.size(), between.data(), n > 1 ? between.size() : 0);
+  std::copy(text.begin(), text.end(), out);
+  if (n > 1) std::copy(between.begin(), between.end(), out + text.size());
   // What stands there already is copied behind itself, twice as much each time.
   for (std::size_t done = text.size() + between.size(); done < size; done *= 2) {
     std::memcpy(out + done, out, std::min(done, size - done));
