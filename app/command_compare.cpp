@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -164,9 +163,6 @@ int compare_pictures(const CompareOptions& o) {
   if (o.figure.empty()) return run_failed;
   constexpr double dpi = 152.4;  // that of figures
   const std::vector<std::uint8_t> bytes = encode_png(difference_of(*found, *wanted), dpi);
-  std::error_code ignored;
-  if (const auto folder = std::filesystem::path(o.figure).parent_path(); !folder.empty())
-    std::filesystem::create_directories(folder, ignored);
   if (write_result(o.figure, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}))
     write_out(fmt::format("  drawn in {}\n", o.figure));
   return run_failed;

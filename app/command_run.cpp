@@ -101,6 +101,13 @@ std::string bytes_of(const Recording& recording, const std::string& path) {
   return extension == ".json" ? to_json(recording) : extension == ".npz" ? to_npz(recording) : to_csv(recording);
 }
 
+// Said now: a long run must not end with a result that has no place.
+bool can_be_written(const char* option, const std::string& given, const std::string& file) {
+  const std::string why = why_not_writable(file);
+  if (!why.empty()) complain(fmt::format("{} {}: it cannot be written: {}", option, given, why));
+  return why.empty();
+}
+
 bool check_paths(const RunOptions& o) {
   if (!o.out.empty() && o.out != "-") {
     const std::string extension = extension_of(o.out);
@@ -108,12 +115,10 @@ bool check_paths(const RunOptions& o) {
       complain(fmt::format("--out {}: the name must end in .csv, .json or .npz", o.out));
       return false;
     }
-    // Said now: a long run must not end with a result that has no place.
-    if (const std::string why = why_not_writable(o.out); !why.empty()) {
-      complain(fmt::format("--out {}: it cannot be written: {}", o.out, why));
-      return false;
-    }
+    if (!can_be_written("--out", o.out, o.out)) return false;
   }
+  if (!o.save.empty() && !can_be_written("--save", o.save, o.save)) return false;
+  if (!o.figures.empty() && !can_be_written("--figures", o.figures, o.figures + "/figure")) return false;
   const std::vector<std::string> formats = picture_formats();
   for (const std::string& format : split_formats(o.format)) {
     if (std::find(formats.begin(), formats.end(), format) != formats.end()) continue;

@@ -25,13 +25,6 @@ std::vector<std::string> split_formats(const std::string& text) {
 
 namespace {
 
-std::string make_folder(const std::filesystem::path& folder) {
-  if (folder.empty()) return {};
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  return failed ? fmt::format("cannot make the folder '{}': {}", folder.string(), failed.message()) : "";
-}
-
 std::string write_picture(const Scene& scene, const std::string& format, const std::string& path) {
   std::vector<std::uint8_t> bytes;
   try {
@@ -48,7 +41,6 @@ std::string write_picture(const Scene& scene, const std::string& format, const s
 std::string write_figures(const Model& model, const DiagramRun& run, const std::string& folder,
                           const std::vector<std::string>& formats) {
   if (model.figures.empty()) return fmt::format("{} has no figures: section, so there is nothing to draw", model.path);
-  if (std::string error = make_folder(folder); !error.empty()) return error;
   for (const FigureDecl& declared : model.figures) {
     const Scene scene = layout(make_figure(declared, run, model));
     for (const std::string& format : formats) {
@@ -61,7 +53,6 @@ std::string write_figures(const Model& model, const DiagramRun& run, const std::
 
 std::string write_figure(const Figure& figure, const std::string& path) {
   const std::filesystem::path file(path);
-  if (std::string error = make_folder(file.parent_path()); !error.empty()) return error;
   const std::string ending = file.extension().string();
   return write_picture(layout(figure), ending.empty() ? "png" : ending.substr(1), path);
 }

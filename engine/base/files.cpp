@@ -74,6 +74,14 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   std::error_code ignored;
   // A link stays a link: what it points to is replaced.
   if (fs::is_symlink(path_, ignored)) path_ = fs::weakly_canonical(path_, ignored).string();
+  if (const fs::path folder = fs::path(path_).parent_path(); !folder.empty()) {
+    std::error_code failed;
+    fs::create_directories(folder, failed);
+    if (failed) {
+      error_ = fmt::format("cannot make the folder '{}': {}", folder.string(), words(failed.value()));
+      return;
+    }
+  }
   temporary_ = path_ + ".XXXXXX";
   descriptor_ = ::mkstemp(temporary_.data());
   if (descriptor_ < 0) {
@@ -94,22 +102,16 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const char* what) {
-  if (!error_.empty()) return;
-  std::error_code ignored;
-  const fs::path folder = fs::path(path_).parent_path();
-  if (errno == ENOENT && !folder.empty() && !fs::exists(folder, ignored)) {
-    error_ = fmt::format("there is no folder '{}'", folder.string());
-  } else {
-    error_ = fmt::format("cannot {} it: {}", what, words(errno));
-  }
+  if (error_.empty()) error_ = fmt::format("cannot {} it: {}", what, words(errno));
 }
 
 std::string why_not_writable(const std::string& path) {
   std::error_code ignored;
-  const fs::path folder = fs::path(path).parent_path();
-  if (!folder.empty() && !fs::exists(folder, ignored)) return fmt::format("there is no folder '{}'", folder.string());
   if (fs::is_directory(path, ignored)) return "it is a folder";
-  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0) return words(errno);
+  fs::path folder = fs::absolute(path, ignored).parent_path();
+  while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder.parent_path();
+  if (!fs::is_directory(folder, ignored)) return fmt::format("'{}' is not a folder", folder.string());
+  if (::access(folder.c_str(), W_OK) != 0) return words(errno);
   return {};
 }
 

@@ -19,7 +19,8 @@ struct FileResult {
 FileResult read_file(const std::string& path, std::size_t limit = std::size_t{64} << 20);
 
 // A file that appears complete or not at all: written beside its target, flushed to disk and renamed by commit().
-// Without commit() nothing is left behind; a killed run leaves the old file whole.
+// Without commit() nothing is left behind; a killed run leaves the old file whole. Folders of the path that are missing
+// are made.
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);

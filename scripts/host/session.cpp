@@ -108,8 +108,6 @@ FileResult Session::writable(const std::string& path) const {
     if (!S_ISREG(status.st_mode)) return {{}, "it is no regular file"};
     if ((status.st_mode & 0111U) != 0) return {{}, "it is a program, which a script does not replace"};
   }
-  if (real.has_parent_path()) fs::create_directories(real.parent_path(), error);
-  if (error) return {{}, fmt::format("its folder cannot be made: {}", error.message())};
   return {as_typed(real), {}};
 }
 

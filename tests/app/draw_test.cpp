@@ -80,9 +80,9 @@ TEST_F(Draw, SaysWhatIsWrong) {
   o = place_.run("draw loop.yaml -o a.svg --inside motor");
   EXPECT_EQ(o.status, 2);
   EXPECT_EQ(o.err, "plantloop: --inside motor: there is no subsystem of this name; there are: controller\n");
-  o = place_.run("draw loop.yaml -o nowhere/a.svg");
+  o = place_.run("draw loop.yaml -o loop.yaml/a.svg");
   EXPECT_EQ(o.status, 1);
-  EXPECT_THAT(o.err, StartsWith("plantloop: cannot write 'nowhere/a.svg': "));
+  EXPECT_THAT(o.err, StartsWith("plantloop: cannot write 'loop.yaml/a.svg': "));
   place_.write("wrong.yaml", "plantloop: 1\nblocks: {y: x}\n");
   o = place_.run("draw wrong.yaml -o a.svg");
   EXPECT_EQ(o.status, 2);

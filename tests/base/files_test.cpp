@@ -68,8 +68,19 @@ TEST_F(Files, WritingKeepsPermissionsAndLinks) {
   EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
+TEST_F(Files, WritingMakesTheFoldersThatAreMissing) {
+  EXPECT_EQ(why_not_writable(path("new/folder/a")), "");
+  EXPECT_FALSE(fs::exists(path("new")));
+  EXPECT_EQ(write_file(path("new/folder/a"), "x"), "");
+  EXPECT_EQ(read_file(path("new/folder/a")).value, "x");
+}
+
 TEST_F(Files, WritingTellsWhyNot) {
-  EXPECT_EQ(write_file(path("none/a"), "x"), "there is no folder '" + path("none") + "'");
+  write_file(path("file"), "x");
+  EXPECT_EQ(write_file(path("file/a"), "x"),
+            "cannot make the folder '" + path("file") + "': a part of its path is no folder");
+  EXPECT_EQ(why_not_writable(path("file/a")), "'" + path("file") + "' is not a folder");
+  EXPECT_EQ(why_not_writable(path(".")), "it is a folder");
 }
 
 TEST_F(Files, AProjectIsTheNearestFolderWithItsMark) {
