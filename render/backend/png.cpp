@@ -1,4 +1,4 @@
-// PNG by libpng: no filter, level 6, the resolution, no time: equal pictures give equal files.
+// PNG by libpng: no filter, level 8, the resolution, no time: equal pictures give equal files.
 
 #include <png.h>
 
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> encode_png(const Image& image, double dpi) {
   const auto per_metre = static_cast<png_uint_32>(std::lround(dpi / 0.0254));
   png_set_pHYs(encoder.png, encoder.info, per_metre, per_metre, PNG_RESOLUTION_METER);
   png_set_filter(encoder.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
-  png_set_compression_level(encoder.png, 6);
+  png_set_compression_level(encoder.png, 8);
   png_set_rows(encoder.png, encoder.info, rows.data());
   png_write_png(encoder.png, encoder.info, PNG_TRANSFORM_IDENTITY, nullptr);
   return out;

@@ -1,4 +1,7 @@
 // SVG: paths with coordinates in hundredths of a pixel, each glyph's outline once, groups named by their roles.
+//
+// Most of a file is the thousands of points of measured signals. Their coordinates are whole eighths of a pixel under a
+// scaling: a point is two numbers of one or two digits.
 
 #include <fmt/format.h>
 
@@ -33,10 +36,13 @@ std::string escaped(std::string_view text) {
 // 1/256 pixel -> hundredths, rounded.
 std::int64_t hundredths(Fixed v) { return (std::int64_t{v} * 100 + (v < 0 ? -128 : 128)) / 256; }
 
+std::int64_t eighths(Fixed v) { return (std::int64_t{v} + (v < 0 ? -16 : 16)) / 32; }
+
 class Writer {
  public:
   std::string write(const Scene& scene) {
-    put("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\">\n",
+    put("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" "
+        "stroke-linejoin=\"round\">\n",
         scene.width, scene.height, scene.width, scene.height);
     if (!scene.title.empty()) put("<title>{}</title>\n", escaped(scene.title));
     std::string head = std::move(out_);
@@ -55,7 +61,7 @@ class Writer {
   std::map<Rect, int, bool (*)(const Rect&, const Rect&)> clips_{[](const Rect& a, const Rect& b) {
     return std::tuple(a.left, a.top, a.right, a.bottom) < std::tuple(b.left, b.top, b.right, b.bottom);
   }};
-  std::map<std::pair<int, std::uint32_t>, bool> glyphs_;
+  std::map<std::pair<int, std::uint32_t>, std::size_t> glyphs_;  // numbered as they come
 
   template <typename... Args>
   void put(fmt::format_string<Args...> format, Args&&... args) {
@@ -79,13 +85,17 @@ class Writer {
     if (part > 0 && part % 10 == 0) out_.pop_back();
   }
 
+  // The rest of "translate(".
+  void place(Point p) {
+    number(hundredths(p.x), true);
+    number(hundredths(p.y), false);
+    out_ += ')';
+  }
+
   void path(const Polyline& line, bool closed) {
-    // Tenths do for the thousands of points of a measured signal.
-    const std::int64_t grain = line.size() > 500 ? 10 : 1;
     std::int64_t x = 0, y = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
-      const std::int64_t nx = (hundredths(line[i].x) + grain / 2) / grain * grain,
-                         ny = (hundredths(line[i].y) + grain / 2) / grain * grain;
+      const std::int64_t nx = hundredths(line[i].x), ny = hundredths(line[i].y);
       if (i == 0) out_ += 'M';
       if (i == 1) out_ += 'l';
       number(nx - x, i < 2);
@@ -94,6 +104,26 @@ class Writer {
       y = ny;
     }
     if (closed) out_ += 'z';
+  }
+
+  void long_path(const Polyline& line) {
+    std::int64_t x = 0, y = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const std::int64_t nx = eighths(line[i].x), ny = eighths(line[i].y);
+      if (i > 1 && nx == x && ny == y) continue;
+      if (i == 0) out_ += 'M';
+      if (i == 1) out_ += 'l';
+      whole(nx - x, i < 2);
+      whole(ny - y, false);
+      x = nx;
+      y = ny;
+    }
+  }
+
+  static bool is_long(const Stroke& stroke) {
+    std::size_t points = 0;
+    for (const Polyline& line : stroke.lines) points += line.size();
+    return points > 500;
   }
 
   void item(const Fill& fill) {
@@ -105,33 +135,42 @@ class Writer {
   }
 
   void item(const Stroke& stroke) {
+    const bool in_eighths = is_long(stroke);
+    const int scale = in_eighths ? 8 : 1;
     put("<path fill=\"none\" stroke=\"{}\" stroke-width=\"", color(stroke.color));
-    number(hundredths(stroke.width), true);
-    out_ += "\" stroke-linejoin=\"round\"";
+    number(hundredths(scale * stroke.width), true);
+    out_ += '"';
     opacity("stroke-opacity", stroke.color);
     if (stroke.cap == Stroke::Cap::round) out_ += " stroke-linecap=\"round\"";
     if (!stroke.dashes.empty()) {
       out_ += " stroke-dasharray=\"";
-      for (std::size_t i = 0; i < stroke.dashes.size(); ++i) number(hundredths(stroke.dashes[i]), i == 0);
+      for (std::size_t i = 0; i < stroke.dashes.size(); ++i) number(hundredths(scale * stroke.dashes[i]), i == 0);
       out_ += '"';
     }
+    if (in_eighths) out_ += " transform=\"scale(.125)\"";
     out_ += " d=\"";
-    for (const Polyline& line : stroke.lines) path(line, false);
+    for (const Polyline& line : stroke.lines) in_eighths ? long_path(line) : path(line, false);
     out_ += "\"/>\n";
   }
 
   void item(const TextRun& text) {
-    put("<g role=\"img\" aria-label=\"{}\" fill=\"{}\" transform=\"translate({:.8g} {:.8g})", escaped(text.source),
-        color(text.color), text.origin.x / 256.0, text.origin.y / 256.0);
+    put("<g role=\"img\" aria-label=\"{}\" fill=\"{}\" transform=\"translate(", escaped(text.source),
+        color(text.color));
+    place(text.origin);
     if (text.turns != 0) put("rotate({})", -90 * text.turns);
     out_ += "\">";
     for (const GlyphRun& run : text.runs) {
       const double scale = run.size / (256.0 * units_per_em(run.font));
-      put("<g transform=\"translate({:.8g} {:.8g})scale({:.9g})\">", run.at.x / 256.0, run.at.y / 256.0, scale);
+      out_ += "<g transform=\"";
+      if (run.at != Point{}) {
+        out_ += "translate(";
+        place(run.at);
+      }
+      put("scale({:.7g})\">", scale);
       for (const GlyphRun::Glyph& glyph : run.glyphs) {
         if (outline(run.font, glyph.id).steps.empty()) continue;
-        glyphs_[{run.font, glyph.id}] = true;
-        put("<use href=\"#{}{}\"", static_cast<char>('a' + run.font), glyph.id);
+        const std::size_t number = glyphs_.try_emplace({run.font, glyph.id}, glyphs_.size()).first->second;
+        put("<use href=\"#g{}\"", number);
         if (glyph.x != 0) put(" x=\"{}\"", glyph.x);
         if (glyph.y != 0) put(" y=\"{}\"", -glyph.y);
         out_ += "/>";
@@ -162,24 +201,32 @@ class Writer {
       path({{r.left, r.top}, {r.right, r.top}, {r.right, r.bottom}, {r.left, r.bottom}}, true);
       out_ += "\"/></clipPath>\n";
     }
-    for (const auto& [key, used] : glyphs_) {
-      put("<path id=\"{}{}\" d=\"", static_cast<char>('a' + key.first), key.second);
+    for (const auto& [key, number] : glyphs_) {
+      put("<path id=\"g{}\" d=\"", number);
       glyph(outline(key.first, key.second));
       out_ += "\"/>\n";
     }
     out_ += "</defs>\n";
   }
 
-  void whole(std::int32_t v) {
-    if (v >= 0) out_ += ' ';
+  // A whole number, set off from the one before if need be.
+  void whole(std::int64_t v, bool first = false) {
+    if (!first && v >= 0) out_ += ' ';
     out_ += std::to_string(v);
   }
 
-  // y down, relative to the point before.
+  // y down, relative to the point before; a command stands only where it changes.
   void glyph(const Outline& shape) {
     std::int32_t x = 0, y = 0;
-    const auto pair = [&](std::int32_t px, std::int32_t py) {
-      whole(px - x);
+    char last = ' ';
+    const auto command = [&](char c) {
+      const bool changes = c != last;
+      if (changes) out_ += c;
+      last = c;
+      return changes;
+    };
+    const auto pair = [&](std::int32_t px, std::int32_t py, bool first) {
+      whole(px - x, first);
       whole(-(py - y));
     };
     bool open = false;
@@ -187,25 +234,28 @@ class Writer {
       switch (step.kind) {
         case OutlineStep::move:
           if (open) out_ += 'z';
-          out_ += 'M';
-          whole(step.x);
+          last = ' ';
+          command('M');
+          whole(step.x, true);
           whole(-step.y);
           open = true;
           break;
         case OutlineStep::line:
-          out_ += 'l';
-          pair(step.x, step.y);
+          if (step.y == y)
+            whole(step.x - x, command('h'));
+          else if (step.x == x)
+            whole(-(step.y - y), command('v'));
+          else
+            pair(step.x, step.y, command('l'));
           break;
         case OutlineStep::quadratic:
-          out_ += 'q';
-          pair(step.x1, step.y1);
-          pair(step.x, step.y);
+          pair(step.x1, step.y1, command('q'));
+          pair(step.x, step.y, false);
           break;
         case OutlineStep::cubic:
-          out_ += 'c';
-          pair(step.x1, step.y1);
-          pair(step.x2, step.y2);
-          pair(step.x, step.y);
+          pair(step.x1, step.y1, command('c'));
+          pair(step.x2, step.y2, false);
+          pair(step.x, step.y, false);
           break;
       }
       x = step.x;

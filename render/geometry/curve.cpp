@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace plantloop {
 
@@ -14,19 +15,25 @@ Rect to_rect(const Box& box) {
   return {to_fixed(box.left), to_fixed(box.top), to_fixed(box.right), to_fixed(box.bottom)};
 }
 
-Curve decimate_columns(const Curve& curve) {
+Curve decimate_columns(const Curve& curve, double width) {
   Curve result;
+  const auto column_of = [width](Spot s) { return std::floor(s.x / width); };
+  double left = -std::numeric_limits<double>::infinity();  // the column before
   for (std::size_t begin = 0; begin < curve.size();) {
-    const double column = std::floor(curve[begin].x);
+    const double column = column_of(curve[begin]);
     std::size_t end = begin, low = begin, high = begin;
-    while (end < curve.size() && std::floor(curve[end].x) == column) {
+    while (end < curve.size() && column_of(curve[end]) == column) {
       if (curve[end].y < curve[low].y) low = end;
       if (curve[end].y > curve[high].y) high = end;
       ++end;
     }
-    std::size_t keep[] = {begin, std::min(low, high), std::max(low, high), end - 1};
-    for (std::size_t i = 0; i < 4; ++i)
-      if (i == 0 || keep[i] != keep[i - 1]) result.push_back(curve[keep[i]]);
+    const bool far_before = column > left + 1, far_behind = end == curve.size() || column_of(curve[end]) > column + 1;
+    const auto [one, other] = std::minmax(low, high);
+    if (far_before && begin != one) result.push_back(curve[begin]);
+    result.push_back(curve[one]);
+    if (other != one) result.push_back(curve[other]);
+    if (far_behind && end - 1 != other) result.push_back(curve[end - 1]);
+    left = column;
     begin = end;
   }
   return result;

@@ -86,7 +86,8 @@ class Raster {
     for (int top = 0; top < height_; top += strip_rows) {
       const int rows = std::min(strip_rows, height_ - top);
       strip(scene.background, top, rows);
-      gl_.ReadPixels(0, 0, width_ * samples_, rows * samples_, GL_RGBA, GL_UNSIGNED_BYTE, read_.data());
+      // In the order in which the driver keeps them: any other costs a pass over all samples.
+      gl_.ReadPixels(0, 0, width_ * samples_, rows * samples_, GL_BGRA, GL_UNSIGNED_BYTE, read_.data());
       average(image, top, rows);
     }
     if (gl_.GetError() != GL_NO_ERROR) throw RenderError("OpenGL reports an error while drawing a figure");
@@ -121,8 +122,8 @@ class Raster {
     gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
     gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, pixels_);
     gl_.BindRenderbuffer(GL_RENDERBUFFER, stencil_);
-    gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, width, height);
-    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, stencil_);
+    gl_.RenderbufferStorage(GL_RENDERBUFFER, GL_STENCIL_INDEX8, width, height);
+    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_STENCIL_ATTACHMENT, GL_RENDERBUFFER, stencil_);
     if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
       throw RenderError("OpenGL gives no framebuffer of the figure's size");
     frame_width_ = width;
@@ -256,9 +257,9 @@ class Raster {
       for (int x = 0; x < width_; ++x, out += 3) {
         unsigned r = 0, g = 0, b = 0;
         for (std::size_t s = 0; s < samples; ++s, sum += 4) {
-          r += sum[0];
+          b += sum[0];
           g += sum[1];
-          b += sum[2];
+          r += sum[2];
         }
         out[0] = static_cast<std::uint8_t>((r + n / 2) / n);
         out[1] = static_cast<std::uint8_t>((g + n / 2) / n);

@@ -71,14 +71,17 @@ bool rising(const Curve& curve) {
   return std::is_sorted(curve.begin(), curve.end(), [](Spot a, Spot b) { return a.x < b.x; });
 }
 
-Curve decimated(const Curve& curve) { return rising(curve) ? decimate_columns(curve) : decimate_distance(curve, 0.35); }
+// Columns are as wide as a stroke of this width hides.
+Curve decimated(const Curve& curve, double stroke) {
+  return rising(curve) ? decimate_columns(curve, std::max(0.5, 0.3 * stroke)) : decimate_distance(curve, 0.35);
+}
 
 void add_lines(const PanelPlan& panel, SeriesPlan& plan, const Samples& samples) {
   for (const Curve& curve : to_curves(panel, samples.x, samples.y, plan.right)) {
     const bool endless = curve.size() > many && plan.style == LineStyle::solid && !rising(curve);
     const Box reach = panel.box.grown(beyond);
-    const std::vector<Curve> parts =
-        endless ? without_repeats(decimate_distance(curve, 1.5), reach) : std::vector<Curve>{decimated(curve)};
+    const std::vector<Curve> parts = endless ? without_repeats(decimate_distance(curve, 1.5), reach)
+                                             : std::vector<Curve>{decimated(curve, plan.width)};
     for (const Curve& part : parts)
       for (Curve& seen : clip_line(part, reach)) plan.lines.push_back(std::move(seen));
   }
@@ -101,8 +104,8 @@ void add_area(const PanelPlan& panel, SeriesPlan& plan) {
       lower.push_back(b);
     }
     if (upper.size() >= 2) {
-      Curve ring = decimated(upper);
-      const Curve back = decimated(lower);
+      Curve ring = decimated(upper, 0);
+      const Curve back = decimated(lower, 0);
       ring.insert(ring.end(), back.rbegin(), back.rend());
       Curve seen = clip_area(std::move(ring), panel.box.grown(beyond));
       if (seen.size() >= 3) plan.areas.push_back(std::move(seen));

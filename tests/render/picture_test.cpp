@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "render/error.h"
+#include "render/geometry/curve.h"
 #include "render/gl/context.h"
 #include "render/image.h"
 #include "render/layout.h"
@@ -128,6 +129,41 @@ TEST(Pixels, OfATranslucentLineDoNotDarkenWhereItCrossesItself) {
   const std::uint8_t crossing = image.rgb[3 * (40 * 20 + 20)], arm = image.rgb[3 * (40 * 10 + 10)];
   EXPECT_EQ(crossing, arm);
   EXPECT_LT(arm, 255);
+}
+
+double difference(const Image& a, const Image& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) sum += (a.rgb[i] - b.rgb[i]) * (a.rgb[i] - b.rgb[i]);
+  return std::sqrt(sum / static_cast<double>(a.rgb.size()));
+}
+
+// 2.5 of 255 is what another rasteriser makes of the same scene.
+TEST(Pixels, OfADecimatedCurveAreThoseOfAllItsSamples) {
+  Curve all;
+  std::uint32_t state = 11;
+  for (int i = 0; i < 10000; ++i) {
+    state = state * 1664525u + 1013904223u;
+    const double x = 20 + 0.1 * i;
+    all.push_back({x, 400 + 300 * std::sin(0.02 * x) + 12 * static_cast<double>(state >> 8) / 16777216.0});
+  }
+  const auto drawn = [](const Curve& curve) {
+    Scene scene;
+    scene.width = 1040;
+    scene.height = 800;
+    scene.root.add({Stroke{{to_polyline(curve)}, 512, {}, Stroke::Cap::round, Color{0, 114, 178}}});
+    return rasterise(scene);
+  };
+  const Image full = drawn(all);
+  EXPECT_LT(difference(full, drawn(decimate_columns(all, 0.6))), 2.5);
+  EXPECT_GT(difference(full, drawn(decimate_columns(all, 4))), 2.5);
+}
+
+// The goals for the reference figure: five curves of 10 000 noisy samples at 1200 x 800.
+TEST(Files, OfTheReferenceFigureAreSmall) {
+  const Scene scene = layout(noisy_steps());
+  EXPECT_LT(to_png(scene).size(), 75'000u);
+  EXPECT_LT(to_svg(scene).size(), 110'000u);
+  EXPECT_LT(picture(scene, "pdf").size(), 120'000u);
 }
 
 TEST(OsMesa, SaysHowToInstallIt) {

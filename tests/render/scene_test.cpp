@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "render/error.h"
@@ -291,6 +292,39 @@ TEST(Curve, ThatRepeatsItselfIsDrawnOnce) {
   for (const Curve& part : without_repeats(decimate_distance(circles, 1.5), {0, 0, 200, 200})) kept += part.size();
   EXPECT_LT(kept, 3000u);
   EXPECT_GT(kept, 300u);  // 565 pixels around
+}
+
+Curve noise(std::size_t samples) {
+  Curve curve;
+  std::uint32_t state = 11;
+  for (std::size_t i = 0; i < samples; ++i) {
+    state = state * 1664525u + 1013904223u;
+    const double x = 4 + 392 * static_cast<double>(i) / static_cast<double>(samples);
+    curve.push_back({x, 100 + 60 * std::sin(0.02 * x) + 20 * static_cast<double>(state >> 8) / 16777216.0});
+  }
+  return curve;
+}
+
+TEST(Curve, ThatIsDecimatedKeepsEveryExtreme) {
+  const Curve curve = noise(30000), kept = decimate_columns(curve, 0.6);
+  EXPECT_LT(kept.size(), 2u * 656);  // two to the column
+  const auto extremes = [](const Curve& c) {
+    std::map<int, std::pair<double, double>> columns;
+    for (const Spot s : c) {
+      auto& [low, high] = columns.try_emplace(static_cast<int>(s.x / 0.6), s.y, s.y).first->second;
+      low = std::min(low, s.y);
+      high = std::max(high, s.y);
+    }
+    return columns;
+  };
+  EXPECT_EQ(extremes(kept), extremes(curve));
+}
+
+TEST(Curve, ThatIsDecimatedKeepsItsWayAcrossAGap) {
+  const Curve curve{{0, 0}, {10.1, 0}, {10.2, 5}, {10.3, 3}, {100, 3}}, kept = decimate_columns(curve, 1);
+  ASSERT_EQ(kept.size(), 5u);
+  EXPECT_EQ(kept[3].x, 10.3);  // neither the lowest nor the highest, but where the line leaves
+  EXPECT_EQ(kept[3].y, 3);
 }
 
 TEST(Json, ShortensLongLists) {
