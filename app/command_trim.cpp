@@ -117,8 +117,7 @@ PLANTLOOP_COMMAND(trim) {
   const auto o = std::make_shared<TrimOptions>();
   parser.description(
       "Find a rest: all derivatives zero, sampled states repeating themselves, outputs as wanted. Begins at the "
-      "initial "
-      "values; with fewer conditions than unknowns the nearest rest is found.");
+      "initial values; with fewer conditions than unknowns the nearest rest is found.");
   parser.add_option("DIAGRAM", o->file, "the diagram")->required();
   const auto many = [&](const char* name, std::vector<std::string>& into, const char* help, const char* type) {
     parser.add_option(name, into, help)->allow_extra_args(false)->type_name(type);

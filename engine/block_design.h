@@ -17,6 +17,10 @@ struct Roots {
   static Shape polynomial_shape(const Shape& roots);
   // (s - r1)(s - r2) ..., coefficients in descending powers.
   static Array polynomial(const Array& roots);
+  // The polynomial of optional roots; 1 where there are none.
+  static Array numerator(Now now, const Table& zeros) {
+    return now.given(zeros) ? polynomial(now[zeros]) : Array(Shape::vector(1), 1.0);
+  }
 };
 
 // The parameters of a Butterworth filter.

@@ -12,8 +12,7 @@ struct Blend final : Block {
   static constexpr auto summary = "Blend signals by weights.";
   static constexpr auto details =
       "y = weights_1 values_1 + ... + weights_n values_n.  values is [a, b, ...], or a matrix with one row for each "
-      "weight; entries may "
-      "be vectors of one size, and then y is such a vector.  in: {weights: mu, values: [a, b, c]}";
+      "weight; entries may be vectors of one size, and then y is such a vector.  in: {weights: mu, values: [a, b, c]}";
   static constexpr auto example = R"(
 blocks:
   mu: {type: triangular_weights, in: time, centres: [0, 1]}

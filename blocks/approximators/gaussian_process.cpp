@@ -13,9 +13,8 @@ struct GaussianProcess final : MapBlock {
   static constexpr auto summary = "Run a Gaussian process that was identified from data, with its variance.";
   static constexpr auto details =
       "y = k(x)' K^-1 (t - m) + m(x),  variance = k(x, x) - k(x)' K^-1 k(x): that of the function itself; a "
-      "measurement "
-      "adds the noise v0 of the model file. Derivatives of both are exact. A model with regressors of the past runs in "
-      "the block narx.";
+      "measurement adds the noise v0 of the model file. Derivatives of both are exact. A model with regressors of the "
+      "past runs in the block narx.";
   static constexpr auto example = R"(
 blocks:
   gp: {type: gaussian_process, model: models/gaussian_process.yaml, in: {x: 0.5}}

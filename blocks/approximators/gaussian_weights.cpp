@@ -11,8 +11,7 @@ struct GaussianWeights final : Block {
   static constexpr auto summary = "Weigh local models by Gaussian functions of a signal, normalised to sum 1.";
   static constexpr auto details =
       "w_i = exp(-(u - centres_i)^2/(2 widths_i^2)), mu_i = w_i/(w_1 + ... + w_n).  Far away from all centres the "
-      "nearest one (in "
-      "its own widths) gets all the weight.";
+      "nearest one (in its own widths) gets all the weight.";
   static constexpr auto example = R"(
 blocks: {mu: {type: gaussian_weights, in: time, centres: [0, 2], widths: 0.5}}
 simulation: {stop: 2}

@@ -10,8 +10,7 @@ struct LocalModelNetwork final : MapBlock {
   static constexpr auto summary = "Run a network of local models that was identified from data.";
   static constexpr auto details =
       "y = mu_1 P_1 [x; 1] + ... + mu_M P_M [x; 1], normalised Gaussian weights mu of the scheduling variables among "
-      "x. "
-      "Derivatives are exact. A model with regressors of the past runs in the block narx.";
+      "x. Derivatives are exact. A model with regressors of the past runs in the block narx.";
   static constexpr auto example = R"(
 blocks:
   net: {type: local_model_network, model: models/local_model_network.yaml, in: {x: 0}}  # halfway between x and 2 x + 1

@@ -23,14 +23,11 @@ struct Narx final : Block {
   static constexpr auto summary = "Predict with a dynamic model that was identified from data, one step or freely.";
   static constexpr auto details =
       "y(k) = f(regressors), a map of any kind with regressors such as y(k-1), u(k-1..3) from the model file, which "
-      "also "
-      "gives the sampling time. mode one_step: the past outputs are those measured at port y; free_run: they are the "
-      "model's own, and port y stays free. Before the start outputs are `initial` and inputs `initial_u`.  variance: "
-      "of "
-      "the function, where the map is a Gaussian process, else 0. In free run `propagation` says how the uncertainty "
-      "of "
-      "past outputs is carried along: naive ignores it, first_order linearises, moment_matching is exact in mean and "
-      "variance (se_ard, linear); these two need one output and single lags as regressors.";
+      "also gives the sampling time. mode one_step: the past outputs are those measured at port y; free_run: they are "
+      "the model's own, and port y stays free. Before the start outputs are `initial` and inputs `initial_u`.  "
+      "variance: of the function, where the map is a Gaussian process, else 0. In free run `propagation` says how the "
+      "uncertainty of past outputs is carried along: naive ignores it, first_order linearises, moment_matching is "
+      "exact in mean and variance (se_ard, linear); these two need one output and single lags as regressors.";
   static constexpr auto example = R"(
 blocks:
   u: {type: step, time: 1, before: 0, after: 1.2}

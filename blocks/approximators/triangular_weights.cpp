@@ -9,8 +9,8 @@ struct TriangularWeights final : Block {
   static constexpr auto summary = "Weigh local models by triangular functions of a signal, which sum to 1.";
   static constexpr auto details =
       "mu_i is 1 at centres_i and falls evenly to 0 at the centres beside it; beyond the first and last centre the "
-      "weight of that one "
-      "stays 1. Blending with these weights is interpolation by straight lines. The kinks are events.";
+      "weight of that one stays 1. Blending with these weights is interpolation by straight lines. The kinks are "
+      "events.";
   static constexpr auto example = R"(
 blocks: {mu: {type: triangular_weights, in: time, centres: [0, 1, 3]}}
 simulation: {stop: 3}

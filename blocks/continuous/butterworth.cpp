@@ -19,9 +19,8 @@ struct ButterworthFilter final : Block {
   static constexpr auto summary = "Filter the input by a Butterworth filter.";
   static constexpr auto details =
       "The gain of a lowpass is 1/sqrt(1 + (w/frequency)^(2 order)): flat, 1/sqrt(2) at the cut-off, falling by 20 "
-      "order "
-      "dB per decade. kind highpass is its mirror image; bandpass and bandstop have the cut-offs lower and upper and "
-      "twice as many poles. The sections stand one after the other.";
+      "order dB per decade. kind highpass is its mirror image; bandpass and bandstop have the cut-offs lower and upper "
+      "and twice as many poles. The sections stand one after the other.";
   static constexpr auto example = R"(
 blocks:
   u: {type: sine, frequency: 10}

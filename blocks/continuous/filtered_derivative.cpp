@@ -9,8 +9,7 @@ struct FilteredDerivative final : Block {
   static constexpr auto summary = "Give the filtered derivative of the input.";
   static constexpr auto details =
       "y = N (u - x),  x' = y: the transfer function N s/(s + N). x starts at u, so the output starts at 0; the error "
-      "of the "
-      "derivative is about u''/N.";
+      "of the derivative is about u''/N.";
   static constexpr auto icon = "N*s/(s + N)";
   static constexpr auto example = R"(
 blocks:

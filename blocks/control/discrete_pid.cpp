@@ -1,7 +1,7 @@
 // A sampled PID controller.
 
 #include "engine/block.h"
-#include "engine/block_algebra.h"
+#include "engine/block_parts.h"
 
 namespace plantloop {
 namespace {
@@ -9,14 +9,13 @@ namespace {
 struct DiscretePid final : Block {
   static constexpr auto summary = "Control samples by a proportional, an integral and a derivative part.";
   static constexpr auto details =
-      "With the period T: raw = kp e + I + kd d,  u = raw between lower and upper.  method, of the integral: forward "
-      "I = x, backward I = x + T ki e, trapezoidal I = x + T ki e/2; each time x+ = x + T ki e.  filter_method, of the "
+      "With the period T: raw = kp e + I + kd d,  u = raw between lower and upper.  method, of the integral: forward I "
+      "= x, backward I = x + T ki e, trapezoidal I = x + T ki e/2; each time x+ = x + T ki e.  filter_method, of the "
       "derivative d = N (e - s), s the integral of d: forward needs N T < 2 to be stable, backward and trapezoidal are "
-      "so "
-      "always. s starts at e, so the derivative part starts at 0.  What a limit cuts off would wind up the integral; "
-      "anti_windup tracking: x+ gets T (u - raw)/t_track more, with the port `track`, what the actuator really did, in "
-      "the place of u;  clamp: the integral itself stays within the limits;  "
-      "none: nothing is done.  The gains are ports with defaults, so they can be scheduled.";
+      "so always. s starts at e, so the derivative part starts at 0.  What a limit cuts off would wind up the "
+      "integral; anti_windup tracking: x+ gets T (u - raw)/t_track more, with the port `track`, what the actuator "
+      "really did, in the place of u;  clamp: the integral itself stays within the limits;  none: nothing is done.  "
+      "The gains are ports with defaults, so they can be scheduled.";
   static constexpr auto example = R"(
 blocks:
   c: {type: discrete_pid, in: 1 - plant, kp: 2, ki: 4, lower: 0, upper: 3, rate: 0.05}
@@ -36,33 +35,24 @@ expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
       this,
       "filter_method",
       {.of = {"backward", "forward", "trapezoidal"}, .doc = "how the derivative's filter counts a sample"}};
-  Input track{this, "track", {.doc = "what the actuator did, for anti_windup tracking; default: u", .init = 0}};
-  Limits limits{this, "least value of the output", "greatest value of the output"};
-  Choice anti_windup{
-      this, "anti_windup", {.of = {"tracking", "clamp", "none"}, .doc = "what happens to the integral at a limit"}};
-  Number t_track{this,
-                 "t_track",
-                 {.init = 1, .unit = "s", .doc = "time constant with which the integral follows a limit", .above = 0}};
-  Number initial_value{this, "initial", {.init = 0, .doc = "integral at the start; may read signals", .initial = true}};
+  AntiWindup anti_windup{this};
   Discrete x{this, "I", {.doc = "integral of the samples before"}};
   Discrete s{this, "x", {.doc = "filtered error"}};
   Output u{this, "u", {.doc = "the limited output"}};
   Output integral{this, "integral", {.doc = "its integral part"}};
 
-  void check(Checking& checking) const override { limits.check(checking); }
+  void check(Checking& checking) const override { anti_windup.check(checking); }
   void initial(Now now, Init init) const override {
-    init[x] = anti_windup.is("clamp") ? limits.clamp(now, now[initial_value]) : now[initial_value];
+    init[x] = anti_windup.start(now);
     init[s] = now[e];
   }
   void outputs(Now now, Out out) const override {
-    out[u] = limits.clamp(now, raw(now));
+    out[u] = anti_windup.limits.clamp(now, raw(now));
     out[integral] = integral_now(now);
   }
   void update(Now now, Next next) const override {
-    Array after = now[x] + now.period() * now[ki] * now[e];
-    if (anti_windup.is("clamp")) after = limits.clamp(now, after);
-    if (anti_windup.is("tracking")) after = after + now.period() / now[t_track] * excess(now);
-    next[x] = after;
+    next[x] = anti_windup.within(now, now[x] + now.period() * now[ki] * now[e]) +
+              now.period() * anti_windup.correction(now, raw(now));
     next[s] = now[s] + now.period() * derivative(now);
   }
 
@@ -70,16 +60,10 @@ expect: [{signal: plant, measure: final, value: 1, abs: 1e-3}]
   // The part of a period that a sample counts for at once; the rest counts from the next hit on.
   static double at_once(const Choice& how) { return how.is("forward") ? 0 : how.is("backward") ? 1 : 0.5; }
   Array integral_now(Now now) const {
-    const Array value = now[x] + at_once(method) * now.period() * now[ki] * now[e];
-    return anti_windup.is("clamp") ? limits.clamp(now, value) : value;
+    return anti_windup.within(now, now[x] + at_once(method) * now.period() * now[ki] * now[e]);
   }
   Array derivative(Now now) const {
     return now[N] * (now[e] - now[s]) / (1.0 + at_once(filter_method) * now.period() * now[N]);
-  }
-  // What was done beyond what was wanted: below 0 at an upper limit.
-  Array excess(Now now) const {
-    if (now.connected(track)) return now[track] - raw(now);
-    return limits.given(now) ? limits.clamp(now, raw(now)) - raw(now) : Array(0.0);
   }
   Array raw(Now now) const { return now[kp] * now[e] + integral_now(now) + now[kd] * derivative(now); }
 };

@@ -16,8 +16,7 @@ struct KalmanFilter final : Block {
   static constexpr auto details =
       "Of x[k+1] = A x[k] + B u[k] + w,  y[k] = C x[k] + D u[k] + v, w and v white with covariances Q and R.  At each "
       "sample, with the predicted x- and its covariance P-:  S = C P- C' + R,  K = P- C' S^-1,  x = x- + K (y - C x- - "
-      "D "
-      "u),  P = (I - K C) P- (I - K C)' + K R K',  then x- becomes A x + B u and P- becomes A P A' + Q.  estimate "
+      "D u),  P = (I - K C) P- (I - K C)' + K R K',  then x- becomes A x + B u and P- becomes A P A' + Q.  estimate "
       "current: the output is x, with the present measurement; predicted: it is x-, without it.  Q, R and P are "
       "matrices, vectors of diagonals, or one number for the whole diagonal.  B may be a vector where there is one "
       "input, C where there is one measurement.";

@@ -1,7 +1,7 @@
 // A PID controller.
 
 #include "engine/block.h"
-#include "engine/block_algebra.h"
+#include "engine/block_parts.h"
 
 namespace plantloop {
 namespace {
@@ -10,14 +10,11 @@ struct Pid final : Block {
   static constexpr auto summary = "Control by a proportional, an integral and a derivative part.";
   static constexpr auto details =
       "raw = kp e + I + kd d,  I' = ki e,  d = N (e - x), x' = d,  u = raw between lower and upper: kp + ki/s + kd N "
-      "s/(s + N). "
-      "x starts at e, so the derivative part starts at 0.  What a limit cuts off would wind up the integral; "
-      "anti_windup tracking: "
-      "I' = ki e + (u - raw)/t_track, with the port `track`, what the actuator really did, in the place of u, so that "
-      "another limit or a switch to manual "
-      "control is followed too;  clamp: the integral itself stays within the limits;  none: nothing is done.  "
-      "The gains are "
-      "ports with defaults, so they can be scheduled: in: {e: w - y, kp: gains.kp}.";
+      "s/(s + N). x starts at e, so the derivative part starts at 0.  What a limit cuts off would wind up the "
+      "integral; anti_windup tracking: I' = ki e + (u - raw)/t_track, with the port `track`, what the actuator really "
+      "did, in the place of u, so that another limit or a switch to manual control is followed too;  clamp: the "
+      "integral itself stays within the limits;  none: nothing is done.  The gains are ports with defaults, so they "
+      "can be scheduled: in: {e: w - y, kp: gains.kp}.";
   static constexpr auto icon = "kp + ki/s + kd*N*s/(s + N)";
   static constexpr auto example = R"(
 blocks:
@@ -32,46 +29,33 @@ expect: [{signal: plant, measure: final, value: 1, abs: 0.02}]
   Input ki{this, "ki", {.doc = "integral gain, per second", .init = 1}};
   Input kd{this, "kd", {.doc = "derivative gain, in seconds", .init = 0}};
   Number N{this, "N", {.init = 100, .unit = "rad/s", .doc = "pole of the derivative's filter", .above = 0}};
-  Input track{this, "track", {.doc = "what the actuator did, for anti_windup tracking; default: u", .init = 0}};
-  Limits limits{this, "least value of the output", "greatest value of the output"};
-  Choice anti_windup{
-      this, "anti_windup", {.of = {"tracking", "clamp", "none"}, .doc = "what happens to the integral at a limit"}};
-  Number t_track{this,
-                 "t_track",
-                 {.init = 1, .unit = "s", .doc = "time constant with which the integral follows a limit", .above = 0}};
-  Number initial_value{this, "initial", {.init = 0, .doc = "integral at the start; may read signals", .initial = true}};
+  AntiWindup anti_windup{this};
   State I{this, "I", {.doc = "integral part"}};
   State x{this, "x", {.doc = "filtered error"}};
   Output u{this, "u", {.doc = "the limited output"}};
   Output integral{this, "integral", {.doc = "its integral part"}};
 
-  void check(Checking& checking) const override { limits.check(checking); }
+  void check(Checking& checking) const override { anti_windup.check(checking); }
   void initial(Now now, Init init) const override {
-    init[I] = anti_windup.is("clamp") ? limits.clamp(now, now[initial_value]) : now[initial_value];
+    init[I] = anti_windup.start(now);
     init[x] = now[e];
   }
   void outputs(Now now, Out out) const override {
-    out[u] = limits.clamp(now, raw(now));
+    out[u] = anti_windup.limits.clamp(now, raw(now));
     out[integral] = now[I];
   }
   void derivatives(Now now, Rates rate) const override {
     Array change = now[ki] * now[e];
-    if (anti_windup.is("clamp")) change = limits.stand_still(now, now[I], change);
-    if (anti_windup.is("tracking")) change = change + excess(now) / now[t_track];
-    rate[I] = change;
+    if (anti_windup.clamps()) change = anti_windup.limits.stand_still(now, now[I], change);
+    rate[I] = change + anti_windup.correction(now, raw(now));
     rate[x] = derivative(now);
   }
   void jumps(Now now, Jumps jump) const override {
-    if (anti_windup.is("clamp")) limits.stop_at_limits(now, jump, I);
+    if (anti_windup.clamps()) anti_windup.limits.stop_at_limits(now, jump, I);
   }
 
  private:
   Array derivative(Now now) const { return now[N] * (now[e] - now[x]); }
-  // What was done beyond what was wanted: below 0 at an upper limit.
-  Array excess(Now now) const {
-    if (now.connected(track)) return now[track] - raw(now);
-    return limits.given(now) ? limits.clamp(now, raw(now)) - raw(now) : Array(0.0);
-  }
   Array raw(Now now) const { return now[kp] * now[e] + now[I] + now[kd] * derivative(now); }
 };
 

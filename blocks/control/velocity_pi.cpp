@@ -10,12 +10,9 @@ struct VelocityPi final : Block {
   static constexpr auto summary = "Control by a PI controller in velocity form, with gains that may vary.";
   static constexpr auto details =
       "z' = p (e - z),  u' = k0 p (e - z) + k1 z: the filter stands in front, so its input gives the derivative of the "
-      "error "
-      "(book figures 6.5 and 6.6). With constant gains this is (k0 + k1/s)/(s/p + 1). k0 belongs to the proportional "
-      "part, k1 to the "
-      "integral one; both are ports, so that they can follow an operating point without disturbing u.  With lower or "
-      "upper u stands "
-      "still at a limit while its rate points further out.";
+      "error (book figures 6.5 and 6.6). With constant gains this is (k0 + k1/s)/(s/p + 1). k0 belongs to the "
+      "proportional part, k1 to the integral one; both are ports, so that they can follow an operating point without "
+      "disturbing u.  With lower or upper u stands still at a limit while its rate points further out.";
   static constexpr auto icon = "(k0 + k1/s)/(s/p + 1)";
   static constexpr auto example = R"(
 blocks:

@@ -18,9 +18,8 @@ struct DiscreteButterworth final : Block {
   static constexpr auto summary = "Filter the samples of the input by a Butterworth filter.";
   static constexpr auto details =
       "The gain of a lowpass is 1/sqrt(1 + (tan(w T/2)/tan(frequency T/2))^(2 order)) with the period T: 1/sqrt(2) at "
-      "the "
-      "cut-off, 0 at half the sampling frequency. kind highpass is its mirror image; bandpass and bandstop have the "
-      "cut-offs lower and upper and twice as many poles. Cut-offs lie below half the sampling frequency, pi/T. The "
+      "the cut-off, 0 at half the sampling frequency. kind highpass is its mirror image; bandpass and bandstop have "
+      "the cut-offs lower and upper and twice as many poles. Cut-offs lie below half the sampling frequency, pi/T. The "
       "sections stand one after the other.";
   static constexpr auto example = R"(
 blocks:

@@ -10,9 +10,8 @@ struct SampleAndHold final : Block {
   static constexpr auto summary = "Take the input when a gate opens, and hold it until the next time.";
   static constexpr auto details =
       "takes rising: y becomes u at the instant at which gate rises above 0;  falling: at which it falls to 0 or "
-      "below;  "
-      "either: at both;  level: y = u while gate > 0, then what u was (track and hold). Until the first time y is "
-      "`initial`. Where u jumps at the same instant, its new value is taken. zero_order_hold samples at a rate.";
+      "below;  either: at both;  level: y = u while gate > 0, then what u was (track and hold). Until the first time y "
+      "is `initial`. Where u jumps at the same instant, its new value is taken. zero_order_hold samples at a rate.";
   static constexpr auto example = R"(
 blocks:
   wave: {type: sine}

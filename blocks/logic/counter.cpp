@@ -11,9 +11,8 @@ struct Counter final : Block {
   static constexpr auto details =
       "y goes on by `step` whenever u rises above 0 (edge rising), falls to 0 or below (falling), or either; of a "
       "continuous signal at the located instant, of a sampled one at the sample, which counts at once. What holds at "
-      "the "
-      "start is no edge. With `upper` y goes on at `lower` instead of passing it, and at `upper` instead of falling "
-      "below `lower`. reset: puts it back to `initial`.";
+      "the start is no edge. With `upper` y goes on at `lower` instead of passing it, and at `upper` instead of "
+      "falling below `lower`. reset: puts it back to `initial`.";
   static constexpr auto example = R"(
 blocks:
   wave: {type: sine, frequency: 2*pi}

@@ -10,11 +10,9 @@ struct HitCrossing final : Block {
   static constexpr auto summary = "Locate the instants at which a signal passes a level.";
   static constexpr auto details =
       "At each crossing of u with `level`, located exactly where u is continuous, `count` goes on by 1, `toggle` "
-      "changes "
-      "between 0 and 1, and `instant` takes the time. An instant has no width, so no pulse could show it: trigger and "
-      "reset by `toggle` with edge: either. Of a sampled signal a crossing is found at the first sample beyond the "
-      "level "
-      "or on it. A signal that starts on the level does not cross it there.";
+      "changes between 0 and 1, and `instant` takes the time. An instant has no width, so no pulse could show it: "
+      "trigger and reset by `toggle` with edge: either. Of a sampled signal a crossing is found at the first sample "
+      "beyond the level or on it. A signal that starts on the level does not cross it there.";
   static constexpr auto example = R"(
 blocks:
   u: {type: sine}

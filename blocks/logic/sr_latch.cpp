@@ -10,8 +10,7 @@ struct SrLatch final : Block {
   static constexpr auto summary = "Remember which of two conditions held last.";
   static constexpr auto details =
       "q is 1 while s > 0 and stays so until r > 0, then 0 until s > 0 again. While both hold, `both` decides. not_q "
-      "is "
-      "1 - q.";
+      "is 1 - q.";
   static constexpr auto example = R"(
 blocks:
   wave: {type: sine}

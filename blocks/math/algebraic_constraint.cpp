@@ -11,10 +11,8 @@ struct AlgebraicConstraint final : Block {
   static constexpr auto details =
       "y such that residual = 0, where the residual's expression reads y, directly or through other blocks. Found by "
       "Newton's method whenever it is read, from the last value on, or from initial_guess at the start; with both "
-      "bounds "
-      "also by bisection between them. A vector residual gives as many unknowns as it has elements. With `solver: ida` "
-      "y "
-      "is an algebraic variable of the solver.";
+      "bounds also by bisection between them. A vector residual gives as many unknowns as it has elements. With "
+      "`solver: ida` y is an algebraic variable of the solver.";
   static constexpr auto example = R"(
 blocks:
   pressure: {type: sine, amplitude: 1, bias: 2}

@@ -12,8 +12,7 @@ struct Logic final : Block {
   static constexpr auto summary = "Combine conditions.";
   static constexpr auto details =
       "y is 1 where the combination holds, else 0; a signal counts as true where it is greater than 0. xor holds when "
-      "an odd "
-      "number of signals is true. A single input that is a vector is combined over its elements.";
+      "an odd number of signals is true. A single input that is a vector is combined over its elements.";
   static constexpr auto example = R"(
 blocks: {y: {type: logic, in: [time > 0.25, time < 0.75], operator: and}}
 simulation: {stop: 1}

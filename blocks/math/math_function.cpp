@@ -13,10 +13,8 @@ struct MathFunction final : Block {
   static constexpr auto summary = "Apply a mathematical function.";
   static constexpr auto details =
       "y = function(u), element by element; pow, hypot, atan2, mod and rem are functions of u and v, as in v: 2 or in: "
-      "{u: "
-      "..., v: ...}.  log is natural; exp10 is 10^u; square is u^2; reciprocal is 1/u; round goes away from zero at "
-      "halves; "
-      "mod has the sign of v, rem that of u.";
+      "{u: ..., v: ...}.  log is natural; exp10 is 10^u; square is u^2; reciprocal is 1/u; round goes away from zero "
+      "at halves; mod has the sign of v, rem that of u.";
   static constexpr auto example = R"(
 blocks: {y: {type: math_function, in: time, function: square}}
 simulation: {stop: 2}

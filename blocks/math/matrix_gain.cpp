@@ -11,8 +11,7 @@ struct MatrixGain final : Block {
   static constexpr auto summary = "Multiply a vector or matrix by a constant matrix.";
   static constexpr auto details =
       "y = K u, the matrix product; a vector u is a column. One row in K gives a scalar. Where an entry of K is 0, "
-      "that "
-      "element of u does not reach that element of y. gain multiplies element by element.";
+      "that element of u does not reach that element of y. gain multiplies element by element.";
   static constexpr auto icon = "K";
   static constexpr auto example = R"(
 blocks: {y: {type: matrix_gain, in: [time, 1], K: [[2, 0], [1, 3]]}}

@@ -11,8 +11,7 @@ struct MatrixMultiply final : Block {
   static constexpr auto summary = "Multiply two signals as matrices.";
   static constexpr auto details =
       "y = u v, the matrix product; a vector v is a column, a vector u before a matrix is a row, and of two vectors "
-      "the "
-      "product is their scalar product. A scalar multiplies every element. product multiplies element by element.";
+      "the product is their scalar product. A scalar multiplies every element. product multiplies element by element.";
   static constexpr auto example = R"(
 blocks:
   A: {type: constant, value: [[1, 2], [3, 4]]}

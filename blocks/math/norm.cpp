@@ -9,8 +9,7 @@ struct Norm final : Block {
   static constexpr auto summary = "Give the norm of a vector.";
   static constexpr auto details =
       "norm euclidean: y = sqrt(u1^2 + u2^2 + ...), of a matrix over all elements (Frobenius);  sum: |u1| + |u2| + "
-      "...;  "
-      "max: the greatest |ui|";
+      "...;  max: the greatest |ui|";
   static constexpr auto example = R"(
 blocks: {r: {type: norm, in: [3, 4*time]}}
 simulation: {stop: 1}

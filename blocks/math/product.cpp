@@ -9,8 +9,7 @@ struct Product final : Block {
   static constexpr auto summary = "Multiply signals, or divide by some of them.";
   static constexpr auto details =
       "y = u1 u2 ..., element by element. operations: \"*/\" divides by the second one. A single input that is a "
-      "vector is "
-      "multiplied over its elements.";
+      "vector is multiplied over its elements.";
   static constexpr auto example = R"(
 blocks: {y: {type: product, in: [time, 4, 2], operations: "**/"}}
 simulation: {stop: 1}

@@ -31,10 +31,8 @@ struct Backlash final : Block {
   static constexpr auto summary = "Follow the input with play.";
   static constexpr auto details =
       "y stands still while u moves inside the play, |u - y| < width/2, and is pushed along at its ends: y = u - "
-      "width/2 "
-      "while u rises, y = u + width/2 while it falls. y starts at `initial`, moved into the play around u. The "
-      "instants "
-      "at which y is pushed or left are located.";
+      "width/2 while u rises, y = u + width/2 while it falls. y starts at `initial`, moved into the play around u. The "
+      "instants at which y is pushed or left are located.";
   static constexpr auto example = R"(
 blocks:
   u: {type: sine}

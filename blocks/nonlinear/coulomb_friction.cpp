@@ -13,11 +13,9 @@ struct CoulombFriction final : Block {
   static constexpr auto summary = "Give the force of dry and viscous friction, with sticking where the force is known.";
   static constexpr auto details =
       "While parts slip, y = coulomb sign(v) + viscous v, to be subtracted from the other forces. With the port "
-      "`force`, "
-      "the sum of those, parts stick when v reaches 0: y = force, so nothing accelerates, until |force| exceeds "
-      "`static`, "
-      "and then they slip in its direction: in: {v: v, force: F}, v' = (F - y)/m. Without it y is 0 at v = 0 and jumps "
-      "there.";
+      "`force`, the sum of those, parts stick when v reaches 0: y = force, so nothing accelerates, until |force| "
+      "exceeds `static`, and then they slip in its direction: in: {v: v, force: F}, v' = (F - y)/m. Without it y is 0 "
+      "at v = 0 and jumps there.";
   static constexpr auto example = R"(
 title: A block slows down on a table and sticks
 blocks:

@@ -10,8 +10,7 @@ struct Hysteresis final : Block {
   static constexpr auto summary = "Say whether a signal is high, with a band in which the answer stays as it is.";
   static constexpr auto details =
       "y becomes 1 when u reaches `upper` from below and 0 when u falls to `lower`; in between it stays. At the start "
-      "it "
-      "is 1 if u >= upper, unless `initial` says. relay is the same with values of its own for on and off.";
+      "it is 1 if u >= upper, unless `initial` says. relay is the same with values of its own for on and off.";
   static constexpr auto example = R"(
 blocks:
   u: {type: sine}

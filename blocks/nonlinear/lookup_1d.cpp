@@ -13,9 +13,8 @@ struct Lookup1d final : Block {
   static constexpr auto summary = "Look a value up in a table.";
   static constexpr auto details =
       "interpolation linear: y = y[i] + (y[i+1] - y[i])/(x[i+1] - x[i]) (u - x[i]) for x[i] <= u < x[i+1];  hold: "
-      "y[i];  "
-      "nearest: the value of the nearest point. outside: clip holds the end values, linear goes on with the outermost "
-      "lines, error ends the run. Kinks and jumps are events, so no accuracy is lost at them.";
+      "y[i];  nearest: the value of the nearest point. outside: clip holds the end values, linear goes on with the "
+      "outermost lines, error ends the run. Kinks and jumps are events, so no accuracy is lost at them.";
   static constexpr auto example = R"(
 blocks: {y: {type: lookup_1d, in: time, x: [0, 1, 3], y: [0, 2, 3]}}
 simulation: {stop: 4}

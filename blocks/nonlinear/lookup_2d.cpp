@@ -13,9 +13,8 @@ struct Lookup2d final : Block {
   static constexpr auto details =
       "In the cell x[i] <= u < x[i+1], y[j] <= v < y[j+1], with f and g the shares of the way from its lower ends: "
       "value = (1-f)(1-g) z[i,j] + f (1-g) z[i+1,j] + (1-f) g z[i,j+1] + f g z[i+1,j+1]. outside: clip holds the "
-      "values "
-      "at the border, linear goes on with the outermost cells, error ends the run. The borders of cells are events, so "
-      "no accuracy is lost at them.";
+      "values at the border, linear goes on with the outermost cells, error ends the run. The borders of cells are "
+      "events, so no accuracy is lost at them.";
   static constexpr auto example = R"(
 blocks:
   eta:

@@ -11,8 +11,8 @@ struct Reshape final : Block {
   static constexpr auto summary = "Arrange the elements of a signal in another shape.";
   static constexpr auto details =
       "The elements are taken row by row. rows and columns: a matrix of that size; one of them alone: the other "
-      "follows "
-      "from the number of elements; neither: a vector. by: columns takes and puts the elements column by column.";
+      "follows from the number of elements; neither: a vector. by: columns takes and puts the elements column by "
+      "column.";
   static constexpr auto example = R"(
 blocks: {M: {type: reshape, in: [1, 2, 3, 4, 5, 6*time], rows: 2}}
 simulation: {stop: 1}

@@ -10,9 +10,8 @@ struct BandLimitedNoise final : Block {
   static constexpr auto summary = "Give band-limited white noise of a given power density.";
   static constexpr auto details =
       "y[k] = sqrt(power/T) n[k], held for the period T, n normal with mean 0 and variance 1. Up to about 1/T of "
-      "angular "
-      "frequency its two-sided power spectral density is `power`, as of continuous white noise, so a slower system "
-      "answers in the same way whatever T is: the integral of y has the variance power time. n is made as of "
+      "angular frequency its two-sided power spectral density is `power`, as of continuous white noise, so a slower "
+      "system answers in the same way whatever T is: the integral of y has the variance power time. n is made as of "
       "white_noise.";
   static constexpr auto example = R"(
 title: White noise through a lag has the variance power/(2 tau)

@@ -53,13 +53,10 @@ struct FromFile final : Block {
   static constexpr auto summary = "Give signals that are read from a CSV file.";
   static constexpr auto details =
       "The column `time_column` (default: the first one) holds ascending times in s, two rows of one time are a jump; "
-      "`column` one or several signals "
-      "(\"v\", \"v, i\"; "
-      "default: the second one). interpolation hold: the value of the last row; linear: straight lines between the "
-      "rows. Before the "
-      "first row its values hold, after the last one those. The rows are stops of the solver, so their edges are "
-      "exact. The file is "
-      "read when the diagram is compiled.";
+      "`column` one or several signals (\"v\", \"v, i\"; default: the second one). interpolation hold: the value of "
+      "the last row; linear: straight lines between the rows. Before the first row its values hold, after the last one "
+      "those. The rows are stops of the solver, so their edges are exact. The file is read when the diagram is "
+      "compiled.";
   static constexpr auto example = R"(
 blocks: {v: {type: from_file, file: signals.csv, column: v}}
 simulation: {stop: 4}

@@ -1,50 +1,27 @@
 // A pseudo-random binary sequence from a shift register.
 
-#include <array>
-
 #include "engine/block.h"
+#include "identify/data/prbs_taps.h"
 
 namespace plantloop {
 namespace {
-
-// Bits whose exclusive or is fed back, for registers of 2 to 20 bits: primitive polynomials (P. Alfke, Xilinx XAPP
-// 052).
-constexpr std::array<std::array<int, 4>, 21> taps{{{},
-                                                   {},
-                                                   {2, 1},
-                                                   {3, 2},
-                                                   {4, 3},
-                                                   {5, 3},
-                                                   {6, 5},
-                                                   {7, 6},
-                                                   {8, 6, 5, 4},
-                                                   {9, 5},
-                                                   {10, 7},
-                                                   {11, 9},
-                                                   {12, 6, 4, 1},
-                                                   {13, 4, 3, 1},
-                                                   {14, 5, 3, 1},
-                                                   {15, 14},
-                                                   {16, 15, 13, 4},
-                                                   {17, 14},
-                                                   {18, 11},
-                                                   {19, 6, 2, 1},
-                                                   {20, 17}}};
 
 struct Prbs final : Block {
   static constexpr auto summary = "Give a pseudo-random binary sequence of the greatest length.";
   static constexpr auto details =
       "A register of `bits` ones is shifted every `hold` samples; y = bias + amplitude where its last bit is 1, else "
-      "bias "
-      "- amplitude. The first bit gets the exclusive or of some others, so that the sequence repeats after 2^bits - 1 "
-      "levels (for 7 bits: of bits 7 and 6). The mean over a period is bias + amplitude/(2^bits - 1).";
+      "bias - amplitude. The first bit gets the exclusive or of some others, so that the sequence repeats after 2^bits "
+      "- 1 levels (for 7 bits: of bits 7 and 6). The mean over a period is bias + amplitude/(2^bits - 1).";
   static constexpr auto example = R"(
 blocks: {u: {type: prbs, bits: 3, amplitude: 2, rate: 1}}
 simulation: {stop: 20}
 expect: [{signal: u, at: 0, value: 2}, {signal: u, at: 7, value: 2}]
 )";
 
-  Count bits{this, "bits", {.init = 7, .doc = "length of the register", .min = 2, .max = 20}};
+  Count bits{
+      this,
+      "bits",
+      {.init = 7, .doc = "length of the register", .min = identify::fewest_prbs_bits, .max = identify::most_prbs_bits}};
   Count hold{this, "hold", {.init = 1, .doc = "samples that each level lasts", .min = 1}};
   Number amplitude{this, "amplitude", {.init = 1, .doc = "distance of both levels from the bias", .size = scalar}};
   Number bias{this, "bias", {.init = 0, .doc = "middle of both levels", .size = scalar}};
@@ -60,7 +37,7 @@ expect: [{signal: u, at: 0, value: 2}, {signal: u, at: 7, value: 2}]
   void update(Now now, Next next) const override {
     const Array r = now[reg];
     Value parity = 0;
-    for (const int tap : taps[static_cast<std::size_t>(bits.value())]) {
+    for (const int tap : identify::prbs_taps(bits.value())) {
       if (tap > 0) parity = parity + r[tap - 1];
     }
     Array shifted = r;

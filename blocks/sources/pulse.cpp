@@ -1,6 +1,6 @@
 // Rectangular pulses.
 
-#include "engine/block.h"
+#include "engine/block_parts.h"
 
 namespace plantloop {
 namespace {
@@ -18,32 +18,13 @@ expect:
 )";
 
   Number amplitude{this, "amplitude", {.init = 1, .doc = "height of the pulses"}};
-  Number period{this,
-                "period",
-                {.init = 1, .unit = "s", .doc = "time from one rising edge to the next", .above = 0, .size = scalar}};
-  Number width{this,
-               "width",
-               {.unit = "s",
-                .doc = "time at the upper value, at most the period; default: half the period",
-                .min = 0,
-                .size = scalar,
-                .optional = true}};
-  Number delay{this, "delay", {.init = 0, .unit = "s", .doc = "time of the first rising edge", .size = scalar}};
+  RectangularWave wave{this};
   Number bias{this, "bias", {.init = 0, .doc = "value between the pulses"}};
   Output y{this, "y", {.doc = "the pulses"}};
 
-  void check(Checking& checking) const override {
-    const auto wide = checking.of(width), time = checking.of(period);
-    if (!wide.empty() && !time.empty() && wide[0] > time[0])
-      checking.problem(width, "the width is longer than the period");
-  }
-
+  void check(Checking& checking) const override { wave.check(checking); }
   void outputs(Now now, Out out) const override {
-    // Rising edges lead falling ones by one while the upper value holds.
-    const Value length = now[period][0], high = now.given(width) ? now[width][0] : 0.5 * length;
-    const Value risen = beats(now[delay][0], length), fallen = beats(now[delay][0] + high, length);
-    const Truth up = risen > fallen || (high >= length && risen > 0.0);
-    out[y] = now[bias] + where(up, now[amplitude], Array(0.0));
+    out[y] = now[bias] + where(wave.is_up(now), now[amplitude], Array(0.0));
   }
 };
 

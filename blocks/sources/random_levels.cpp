@@ -15,12 +15,9 @@ struct RandomLevels final : Block {
   static constexpr auto summary = "Give random levels, evenly distributed, each held for some samples.";
   static constexpr auto details =
       "y = lower + (upper - lower) r_k, a new r_k in (0, 1) every `hold` samples.  generator counter: r is a function "
-      "of "
-      "the seed, of the block's path and of the number of the level (mix of SplitMix64), so blocks differ without "
-      "seeds.  "
-      "generator lcg: x <- 16807 x mod 2147483647 from x = seed, r = x/2147483647 (S. Park and K. Miller 1988), the "
-      "same "
-      "numbers in every language.";
+      "of the seed, of the block's path and of the number of the level (mix of SplitMix64), so blocks differ without "
+      "seeds.  generator lcg: x <- 16807 x mod 2147483647 from x = seed, r = x/2147483647 (S. Park and K. Miller "
+      "1988), the same numbers in every language.";
   static constexpr auto example = R"(
 blocks: {u: {type: random_levels, lower: -1, upper: 1, hold: 5, rate: 0.1}}
 simulation: {stop: 10}

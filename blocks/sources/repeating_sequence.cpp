@@ -14,8 +14,7 @@ struct RepeatingSequence final : Block {
   static constexpr auto summary = "Repeat straight lines through points in time.";
   static constexpr auto details =
       "The points (times[i], values[i]) are joined by straight lines; the last time is the period, after which it "
-      "begins "
-      "again. times[0] is 0. Before time 0 the first value holds. The points are stops of the solver.";
+      "begins again. times[0] is 0. Before time 0 the first value holds. The points are stops of the solver.";
   static constexpr auto example = R"(
 blocks: {u: {type: repeating_sequence, times: [0, 1, 3], values: [0, 2, 0]}}
 simulation: {stop: 9}

@@ -9,9 +9,9 @@ struct Sawtooth final : Block {
   static constexpr auto summary = "Give a sawtooth or triangle wave.";
   static constexpr auto details =
       "From `delay` on y rises evenly from bias - amplitude to bias + amplitude during `width`, falls back evenly "
-      "during "
-      "the rest of the period, and so on; before, it is bias - amplitude. As wide as the period it is a sawtooth that "
-      "drops at once, half as wide a triangle, with width 0 a falling sawtooth. The corners are stops of the solver.";
+      "during the rest of the period, and so on; before, it is bias - amplitude. As wide as the period it is a "
+      "sawtooth that drops at once, half as wide a triangle, with width 0 a falling sawtooth. The corners are stops of "
+      "the solver.";
   static constexpr auto example = R"(
 blocks:
   saw: {type: sawtooth, period: 2}

@@ -14,10 +14,9 @@ struct SignalBuilder final : Block {
   static constexpr auto summary = "Draw straight lines through points in time.";
   static constexpr auto details =
       "y = values[i] + (values[i+1] - values[i])/(times[i+1] - times[i]) (time - times[i]) between two points. Two "
-      "points "
-      "of equal time are a jump. Outside: hold gives the first and the last value, linear goes on with the outermost "
-      "lines, zero gives 0. With a matrix of values, y is a vector with one line for each column. The points are stops "
-      "of the solver.";
+      "points of equal time are a jump. Outside: hold gives the first and the last value, linear goes on with the "
+      "outermost lines, zero gives 0. With a matrix of values, y is a vector with one line for each column. The points "
+      "are stops of the solver.";
   static constexpr auto example = R"(
 blocks: {u: {type: signal_builder, times: [0, 1, 1, 3], values: [0, 2, 5, 1]}}
 simulation: {stop: 4}

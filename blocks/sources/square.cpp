@@ -1,6 +1,6 @@
 // A square wave.
 
-#include "engine/block.h"
+#include "engine/block_parts.h"
 
 namespace plantloop {
 namespace {
@@ -19,32 +19,13 @@ expect:
 )";
 
   Number amplitude{this, "amplitude", {.init = 1, .doc = "distance of both values from the bias"}};
-  Number period{this,
-                "period",
-                {.init = 1, .unit = "s", .doc = "time from one rising edge to the next", .above = 0, .size = scalar}};
-  Number width{this,
-               "width",
-               {.unit = "s",
-                .doc = "time at the upper value, at most the period; default: half the period",
-                .min = 0,
-                .size = scalar,
-                .optional = true}};
-  Number delay{this, "delay", {.init = 0, .unit = "s", .doc = "time of the first rising edge", .size = scalar}};
+  RectangularWave wave{this};
   Number bias{this, "bias", {.init = 0, .doc = "mean of both values"}};
   Output y{this, "y", {.doc = "the wave"}};
 
-  void check(Checking& checking) const override {
-    const auto wide = checking.of(width), time = checking.of(period);
-    if (!wide.empty() && !time.empty() && wide[0] > time[0])
-      checking.problem(width, "the width is longer than the period");
-  }
-
+  void check(Checking& checking) const override { wave.check(checking); }
   void outputs(Now now, Out out) const override {
-    // Rising edges lead falling ones by one while the upper value holds.
-    const Value length = now[period][0], high = now.given(width) ? now[width][0] : 0.5 * length;
-    const Value risen = beats(now[delay][0], length), fallen = beats(now[delay][0] + high, length);
-    const Truth up = risen > fallen || (high >= length && risen > 0.0);
-    out[y] = now[bias] + where(up, now[amplitude], -now[amplitude]);
+    out[y] = now[bias] + where(wave.is_up(now), now[amplitude], -now[amplitude]);
   }
 };
 

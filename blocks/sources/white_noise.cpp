@@ -10,9 +10,8 @@ struct WhiteNoise final : Block {
   static constexpr auto summary = "Give normally distributed random numbers, a new one at each sample.";
   static constexpr auto details =
       "y[k] = mean + deviation n[k], n normal with mean 0 and variance 1, independent of all others. n is a function "
-      "of "
-      "the seed, of the block's path and of k: the same in every run, whatever else the diagram holds, and different "
-      "between blocks without seeds.";
+      "of the seed, of the block's path and of k: the same in every run, whatever else the diagram holds, and "
+      "different between blocks without seeds.";
   static constexpr auto example = R"(
 blocks: {n: {type: white_noise, mean: 5, deviation: 0.1, rate: 0.01}}
 simulation: {stop: 10}

@@ -56,8 +56,7 @@ class Adviser {
     const Index missing = data_.missing();
     if (missing == 0) return;
     say("{} missing: least squares leaves the rows out that touch them; fill the gaps, or cut the data "
-        "there, "
-        "for spectra, filters and searches",
+        "there, for spectra, filters and searches",
         missing == 1 ? "1 value is" : fmt::format("{} values are", missing));
   }
 
@@ -180,8 +179,7 @@ class Adviser {
     const double constant = -data_.Ts / std::log(slowest);
     if (constant > 50 * data_.Ts) {
       say("'{}' is sampled fast: its slowest time constant is about {:.3g} s, {:.0f} samples; keep every {:.0f}th "
-          "sample or "
-          "fit the free run, as one-step errors say little",
+          "sample or fit the free run, as one-step errors say little",
           data_.outputs[o].name, constant, constant / data_.Ts, std::max(2.0, std::floor(constant / data_.Ts / 15)));
     } else if (constant < data_.Ts) {
       say("'{}' is sampled slowly: its slowest time constant is about {:.3g} s, less than a sample",

@@ -2,11 +2,11 @@
 
 #include "identify/data/excitation.h"
 
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "identify/data/prbs_taps.h"
 #include "identify/error.h"
 #include "identify/random.h"
 
@@ -18,29 +18,6 @@ using Eigen::VectorXd;
 
 constexpr double pi = std::numbers::pi;
 
-// Bits whose exclusive or is fed back: primitive polynomials (P. Alfke, Xilinx XAPP 052).
-constexpr std::array<std::array<int, 4>, 21> taps{{{},
-                                                   {},
-                                                   {2, 1},
-                                                   {3, 2},
-                                                   {4, 3},
-                                                   {5, 3},
-                                                   {6, 5},
-                                                   {7, 6},
-                                                   {8, 6, 5, 4},
-                                                   {9, 5},
-                                                   {10, 7},
-                                                   {11, 9},
-                                                   {12, 6, 4, 1},
-                                                   {13, 4, 3, 1},
-                                                   {14, 5, 3, 1},
-                                                   {15, 14},
-                                                   {16, 15, 13, 4},
-                                                   {17, 14},
-                                                   {18, 11},
-                                                   {19, 6, 2, 1},
-                                                   {20, 17}}};
-
 void check_samples(Index samples) {
   if (samples < 1) fail("a signal has at least one sample, not {}", samples);
 }
@@ -48,7 +25,8 @@ void check_samples(Index samples) {
 }  // namespace
 
 VectorXd prbs(int bits, Index hold, double amplitude, Index samples) {
-  if (bits < 2 || bits > 20) fail("the register has 2 to 20 bits, not {}", bits);
+  if (bits < fewest_prbs_bits || bits > most_prbs_bits)
+    fail("the register has {} to {} bits, not {}", fewest_prbs_bits, most_prbs_bits, bits);
   if (hold < 1) fail("a level lasts at least one sample, not {}", hold);
   const Index period = (Index{1} << bits) - 1;
   if (samples == 0) samples = period * hold;
@@ -59,7 +37,7 @@ VectorXd prbs(int bits, Index hold, double amplitude, Index samples) {
     u[k] = r.back() == 1 ? amplitude : -amplitude;
     if ((k + 1) % hold != 0) continue;
     int parity = 0;
-    for (const int tap : taps[r.size()]) {
+    for (const int tap : prbs_taps(bits)) {
       if (tap > 0) parity ^= r[static_cast<std::size_t>(tap - 1)];
     }
     r.insert(r.begin(), parity);

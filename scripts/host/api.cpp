@@ -40,8 +40,7 @@ std::vector<TypeInfo> make_api() {
         {"parameters", "table<string, string>", "the top-level parameters as written"}}},
       {"Run",
        "The result of a run. run.y, run[\"loop.y\"], run[\"xh.3\"] are its columns, run.xh is a vector's matrix, "
-       "run.time "
-       "the time; methods are called with ':' and may share a column's name.",
+       "run.time the time; methods are called with ':' and may share a column's name.",
        run_methods(),
        {{"time", "pl.Vector", "s; a jump has two rows of equal time"}, {"[string]", "pl.Vector", "a column"}}},
       {"Figure", "A figure: one panel, or several below each other.", figure_methods(), {}},

@@ -249,9 +249,8 @@ Entries diagram_methods() {
   Entries methods{
       {"run", guarded<run>,
        "options?: {set?: table<string, number|string|pl.Vector>, start?: number, stop?: number, step?: number, "
-       "solver?: "
-       "string, rtol?: number, atol?: number, max_step?: number, output_interval?: number, save_at?: number, save?: "
-       "string, from?: string, partial?: boolean}",
+       "solver?: string, rtol?: number, atol?: number, max_step?: number, output_interval?: number, save_at?: number, "
+       "save?: string, from?: string, partial?: boolean}",
        "pl.Run",
        "simulates; what is not given is as the file says. `set` gives parameters other values or expressions"},
       {"check", guarded<check>, "options?: {set?: table<string, number|string|pl.Vector>}", "boolean, string",

@@ -152,8 +152,7 @@ Entries identify_analysis_functions() {
       {"metrics", guarded<metrics>,
        "y: pl.Vector, prediction: pl.Vector, options?: {skip?: integer, variance?: pl.Vector}", "table<string, number>",
        "AE, SE, RMSE, nRMSE, FIT, max; with variances LD and the coverage of the 95 % band; the first `skip` samples "
-       "not "
-       "counted"},
+       "not counted"},
       {"autocorrelation", guarded<autocorrelation>, "e: pl.Vector, lags?: integer", "table",
        "lag, r, band (95 %), band99"},
       {"cross_correlation", guarded<cross_correlation>, "e: pl.Vector, u: pl.Vector, lags?: integer", "table",

@@ -227,8 +227,7 @@ Entries identify_learned_functions() {
        "integer|integer[], estimation?: \"local\"|\"global\", width?: number, ridge?: number}",
        "pl.LearnedModel",
        "affine local models: a tree that grows to `models` of them, or a grid of `cells` along each scheduling "
-       "variable, "
-       "which are numbers of regressors"},
+       "variable, which are numbers of regressors"},
       {"gaussian_process", guarded<gaussian_process>,
        "data: pl.DataSet, options: {regressors: string, covariance?: string, mean?: \"zero\"|\"constant\"|\"linear\", "
        "starts?: integer, iterations?: integer, points?: integer, seed?: integer}",
@@ -249,8 +248,7 @@ Entries learned_model_methods() {
        "integer, seed?: integer, noise?: boolean}",
        "pl.Vector, pl.Vector",
        "free run of a Gaussian process: mean and variance of the function; trajectories: drawn at random instead; "
-       "noise: "
-       "that the outputs fed back have noise"},
+       "noise: that the outputs fed back have noise"},
       {"prune", guarded<prune>,
        "data: pl.DataSet, options?: {test?: pl.DataSet, decay?: number, iterations?: integer, least?: integer}",
        "pl.LearnedModel", "an mlp without the weights that are missed least (optimal brain surgeon)"},

@@ -354,8 +354,7 @@ Entries identify_linear_functions() {
        "pl.StateSpaceModel", "the subspace method PO-MOESP; the order from the singular values unless told"},
       {"order_table", guarded<order_table>,
        "data: pl.DataSet, options?: {na?: integer[], nb?: integer[], delay?: integer[], output?: string, "
-       "remove_means?: "
-       "boolean, validation?: pl.DataSet}",
+       "remove_means?: boolean, validation?: pl.DataSet}",
        "table[]", "every ARX structure in the ranges with AIC, MDL, FPE and free-run error; .best names the least"},
       {"delay_table", guarded<delay_table>,
        "data: pl.DataSet, options?: {order?: integer, delay?: integer[], output?: string, remove_means?: boolean}",

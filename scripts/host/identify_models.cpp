@@ -233,8 +233,7 @@ Entries identify_model_functions() {
        "the matrix of regressors, the outputs at its rows, and the regressors one by one"},
       {"regression", guarded<regression>,
        "data: pl.DataSet, options: {regressors: string, degree?: integer, constant?: boolean, ridge?: number, "
-       "normalise?: "
-       "boolean}",
+       "normalise?: boolean}",
        "pl.RegressionModel",
        "y(k) = theta . regressors by least squares, for each output; degree: all products of the regressors"},
       {"polynomial", guarded<polynomial>,
@@ -242,8 +241,7 @@ Entries identify_model_functions() {
        "normalise?: boolean, simulation?: boolean, validation?: number, iterations?: integer}",
        "pl.RegressionModel",
        "a polynomial NARX model: terms by orthogonal least squares, their number by the free run on the last part of "
-       "the "
-       "data, fitted to the free run"},
+       "the data, fitted to the free run"},
       {"load", guarded<load>, "path: string", "pl.LinearModel|pl.StateSpaceModel|pl.RegressionModel|pl.LearnedModel",
        "reads a model file"},
   };
