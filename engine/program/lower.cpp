@@ -607,6 +607,7 @@ class ListBuilder {
     Instruction i{};
     i.op = o.op;
     std::uint32_t* const fields[3] = {&i.a, &i.b, &i.c};
+    assert(o.arity <= 3);
     for (int k = 0; k < o.arity; ++k) {
       *fields[k] = slot_of(o.operands[k]);
       if (i.last == 0 && last_slot != none && *fields[k] == last_slot) i.last = static_cast<std::uint8_t>(k + 1);
