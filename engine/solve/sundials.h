@@ -31,9 +31,6 @@ struct FreeMatrix {
 struct FreeLinear {
   void operator()(SUNLinearSolver solver) const { SUNLinSolFree(solver); }
 };
-struct FreeNonlinear {
-  void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
-};
 template <typename Pointer, typename Free>
 using Owned = std::unique_ptr<std::remove_pointer_t<Pointer>, Free>;
 
