@@ -205,4 +205,21 @@ DataSet fill_missing(const DataSet& data, Fill fill, Index longest) {
   });
 }
 
+DataSet in_pieces(const DataSet& data, Index length, Index lag) {
+  DataSet pieces = data;
+  pieces.experiments.clear();
+  for (const Experiment& e : data.experiments) {
+    const Index count = std::max<Index>(1, (e.samples() - lag) / length);
+    for (Index i = 0; i < count; ++i) {
+      const Index from = i * length, until = i + 1 == count ? e.samples() : from + length + lag;
+      if (!e.y.middleRows(from, std::min(lag, until - from)).allFinite()) continue;
+      Experiment piece = e;
+      piece.u = e.u.middleRows(from, until - from);
+      piece.y = e.y.middleRows(from, until - from);
+      pieces.experiments.push_back(std::move(piece));
+    }
+  }
+  return pieces;
+}
+
 }  // namespace plantloop::identify

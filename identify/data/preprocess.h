@@ -56,4 +56,8 @@ enum class Fill { line, hold };
 // ones and gaps at an end stay. longest = 0: all lengths.
 DataSet fill_missing(const DataSet& data, Fill fill, Eigen::Index longest = 0);
 
+// The same data in pieces, each an experiment of `lag` samples to begin with and `length` samples after them; the last
+// one of each experiment takes what is left over. Pieces whose first outputs are missing are left out.
+DataSet in_pieces(const DataSet& data, Eigen::Index length, Eigen::Index lag);
+
 }  // namespace plantloop::identify

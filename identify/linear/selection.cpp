@@ -7,6 +7,7 @@
 #include "identify/error.h"
 #include "identify/linear/levenberg_marquardt.h"
 #include "identify/linear/regression_model.h"
+#include "identify/narx/regressor_row.h"
 #include "identify/validation/metrics.h"
 
 namespace plantloop::identify {
@@ -15,31 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-double power(double base, int exponent) {
-  double result = 1;
-  for (int i = 0; i < exponent; ++i) result *= base;
-  return result;
-}
-
-// d x_j/d y(k-lag) at sample k, summed with the weights theta: what a past output's change does to the next one.
-void add_slopes(const RegressorSet& set, const VectorXd& theta, const MatrixXd& u, const MatrixXd& y, Index k,
-                VectorXd& slopes) {
-  for (std::size_t j = 0; j < set.list.size(); ++j) {
-    const std::vector<Factor>& factors = set.list[j].factors;
-    for (std::size_t i = 0; i < factors.size(); ++i) {
-      const Factor& f = factors[i];
-      if (!f.of_output) continue;
-      double slope = f.power * power(y(k - f.lag, f.channel), f.power - 1);
-      for (std::size_t other = 0; other < factors.size(); ++other) {
-        if (other == i) continue;
-        const Factor& g = factors[other];
-        slope *= power((g.of_output ? y : u)(k - g.lag, g.channel), g.power);
-      }
-      slopes[f.lag] += theta[static_cast<Index>(j)] * slope;
-    }
-  }
-}
 
 // Errors of the free run and their exact derivative: S(k) = x(k) + sum_i slope_i(k) S(k-i).
 class FreeRunErrors {
@@ -58,21 +34,26 @@ class FreeRunErrors {
     for (const Experiment& e : data_.experiments) {
       MatrixXd y = e.y;
       MatrixXd S = MatrixXd::Zero(theta.size(), J != nullptr ? e.samples() : 0);  // one column for each sample
-      VectorXd slopes(lag_ + 1);
+      VectorXd slopes(lag_ + 1), x(theta.size());
+      std::vector<RowSlope> parts;
       for (Index k = lag_; k < e.samples(); ++k, ++row) {
-        const VectorXd x = row_at(set_, e.u, y, k);
+        fill_row(set_, e.u, y, k, x.data());
         y(k, 0) = theta.dot(x);
         if (!(std::fabs(y(k, 0)) < limit_)) return VectorXd::Constant(rows_, HUGE_VAL);
         errors[row] = y(k, 0) - e.y(k, 0);
         if (J == nullptr) continue;
         slopes.setZero();
-        add_slopes(set_, theta, e.u, y, k, slopes);
+        // What a past output's change does to the next one.
+        row_slopes(set_, e.u, y, k, parts);
+        for (const RowSlope& part : parts) slopes[part.lag] += theta[part.regressor] * part.value;
         S.col(k) = x;
         for (Index i = 1; i <= lag_; ++i) {
-          if (slopes[i] != 0) S.col(k) += slopes[i] * S.col(k - i);
+          if (slopes[i] != 0) S.col(k).noalias() += slopes[i] * S.col(k - i);
         }
-        J->row(row) = S.col(k).transpose();
       }
+      if (J == nullptr || e.samples() <= lag_) continue;
+      const Index own = e.samples() - lag_;
+      J->middleRows(row - own, own) = S.rightCols(own).transpose();
     }
     return errors;
   }
@@ -170,8 +151,19 @@ void fit_free_run(RegressionModel& model, const DataSet& data, int iterations, c
   refuse_missing(data, "the fit of the free run");
   const DataSet scaled = model.normalised ? model.normalisation.apply(data) : data;
   const FreeRunErrors errors(model.regressors, scaled);
-  const VectorXd start = model.theta.col(0);
-  if (!std::isfinite(errors(start, nullptr).squaredNorm())) {
+  VectorXd start = model.theta.col(0);
+  const auto finite = [&](const VectorXd& theta) { return std::isfinite(errors(theta, nullptr).squaredNorm()); };
+  // A model that diverges may run over short pieces of the record, be mended there, and run over longer ones then.
+  const Index lag = model.regressors.longest_lag();
+  for (Index length = 10 + 2 * lag; length < scaled.samples() && !finite(start); length *= 4) {
+    const DataSet pieces = in_pieces(scaled, length, lag);
+    const FreeRunErrors short_runs(model.regressors, pieces);
+    if (!std::isfinite(short_runs(start, nullptr).squaredNorm())) break;
+    start = minimise_squares([&](const VectorXd& theta, MatrixXd* J) { return short_runs(theta, J); }, start,
+                             {.iterations = std::min(iterations, 20), .gradient = 1e-6, .step = 1e-8}, {}, control)
+                .theta;
+  }
+  if (!finite(start)) {
     model.fit.warnings.emplace_back("the one-step model diverges in free run, so that only one step is fitted");
     return;
   }

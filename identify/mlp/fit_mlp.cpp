@@ -2,12 +2,14 @@
 
 #include "identify/mlp/fit_mlp.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
 
+#include "identify/data/preprocess.h"
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
 #include "identify/mlp/problems.h"
@@ -27,6 +29,10 @@ void check_options(const MlpOptions& options) {
   if (!(options.training.decay >= 0)) fail("the weight decay is {:g}; it must be 0 or greater", options.training.decay);
   if (options.training.iterations < 1)
     fail("the number of iterations is {}; it must be 1 or more", options.training.iterations);
+  if (options.one_step_iterations < 0)
+    fail("the number of one-step iterations is {}; it must be 0 or more", options.one_step_iterations);
+  if (std::any_of(options.horizons.begin(), options.horizons.end(), [](int length) { return length < 0; }))
+    fail("the horizons of the free run are numbers of samples; 0 stands for the whole record");
   if (options.activation == Activation::signum || options.output_activation == Activation::signum)
     fail(
         "a network of signum neurons has no gradient to follow; train it by the perceptron rule, or choose sigmoid or "
@@ -97,7 +103,7 @@ struct Task {
   Scaling x, y;
   MatrixXd X, Y;  // normalised rows
   std::optional<MatrixXd> X_validation, Y_validation;
-  const Training* simulation = nullptr;
+  std::vector<const Training*> simulations;  // one after the other
   const Training* simulation_validation = nullptr;
 };
 
@@ -117,20 +123,23 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
   if (task.X_validation) validation.emplace(shape, *task.X_validation, *task.Y_validation);
   const Training* check = validation ? &*validation : nullptr;
   const int count = static_cast<int>(starts.size());
-  const int later = task.simulation != nullptr ? std::min(options.refined, count) : 0;
-  Watch watch(control, static_cast<double>(count + later) * options.training.iterations);
+  const int stages = static_cast<int>(task.simulations.size());
+  const int later = stages > 0 ? std::min(options.refined, count) : 0;
+  TrainingOptions first = options.training;
+  if (later > 0 && options.one_step_iterations > 0) first.iterations = options.one_step_iterations;
+  Watch watch(control, static_cast<double>(count) * first.iterations +
+                           static_cast<double>(later) * stages * options.training.iterations);
 
   std::vector<TrainingResult> results(starts.size());
   parallel_for(count, options.threads, [&](int i) {
     const auto at = static_cast<std::size_t>(i);
-    results[at] = train(training, starts[at], options.training, watch, check);
-    watch.skip(options.training.iterations - results[at].iterations);
+    results[at] = train(training, starts[at], first, watch, check);
+    watch.skip(first.iterations - results[at].iterations);
   });
 
   MlpFit fit;
   FitReport& report = fit.report;
-  report.method =
-      fmt::format("{}{}", name_of(options.training.method), task.simulation != nullptr ? ", through time" : "");
+  report.method = fmt::format("{}{}", name_of(options.training.method), stages > 0 ? ", through time" : "");
   report.samples = task.X.rows();
   report.parameters = shape.parameters();
   report.seed = options.seed;
@@ -152,10 +161,11 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
     std::vector<TrainingResult> refined(static_cast<std::size_t>(later));
     parallel_for(later, options.threads, [&](int i) {
       const auto at = static_cast<std::size_t>(i);
-      const TrainingResult& before = results[static_cast<std::size_t>(order[at])];
-      refined[at] = train(*task.simulation, before.theta, options.training, watch, check);
+      refined[at].theta = results[static_cast<std::size_t>(order[at])].theta;
+      for (const Training* simulation : task.simulations)
+        refined[at] = train(*simulation, refined[at].theta, options.training, watch, check);
     });
-    targets = task.simulation->targets();
+    targets = task.simulations.back()->targets();
     for (std::size_t i = 0; i < refined.size(); ++i)
       report.tried.push_back(line(fmt::format("start {}, simulated", order[i] + 1), refined[i], targets, check));
     results = std::move(refined);
@@ -178,11 +188,24 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
   return fit;
 }
 
-std::vector<VectorXd> random_starts(Network shape, const MlpOptions& options) {
+// X, Y: normalised rows.
+std::vector<VectorXd> random_starts(Network shape, const MatrixXd& X, const MatrixXd& Y, const MlpOptions& options) {
+  MatrixXd linear;  // of [x; 1], a column for each output
+  if (options.direct) {
+    MatrixXd rows(X.rows(), X.cols() + 1);
+    rows << X, VectorXd::Ones(X.rows());
+    linear = rows.completeOrthogonalDecomposition().solve(Y);
+  }
   std::vector<VectorXd> starts;
   for (int i = 0; i < options.starts; ++i) {
     Random random = random_of_start(options.seed, i);
     randomise(shape, options.spread, random);
+    if (options.direct) {
+      Layer& last = shape.layers.back();
+      last.w.setZero();
+      last.w.rightCols(1) = linear.bottomRows(1).transpose();
+      shape.direct = linear.topRows(X.cols()).transpose();
+    }
     starts.push_back(shape.theta());
   }
   return starts;
@@ -190,7 +213,7 @@ std::vector<VectorXd> random_starts(Network shape, const MlpOptions& options) {
 
 Network shape_for(Index inputs, Index outputs, const MlpOptions& options) {
   return make_network(static_cast<int>(inputs), options.hidden, static_cast<int>(outputs), options.activation,
-                      options.output_activation);
+                      options.output_activation, options.direct);
 }
 
 }  // namespace
@@ -199,7 +222,8 @@ MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MlpOptions& options, 
   check_options(options);
   check_rows(X, Y);
   const Network shape = shape_for(X.cols(), Y.cols(), options);
-  return fit_task(normalised(X, Y, options.normalise), shape, random_starts(shape, options), options, control);
+  const Task task = normalised(X, Y, options.normalise);
+  return fit_task(task, shape, random_starts(shape, task.X, task.Y, options), options, control);
 }
 
 MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MatrixXd& X_validation, const MatrixXd& Y_validation,
@@ -214,8 +238,23 @@ MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MatrixXd& X_validatio
   Task task = normalised(X, Y, options.normalise);
   task.X_validation = task.x.normalised(X_validation);
   task.Y_validation = task.y.normalised(Y_validation);
-  return fit_task(task, shape, random_starts(shape, options), options, control);
+  return fit_task(task, shape, random_starts(shape, task.X, task.Y, options), options, control);
 }
+
+namespace {
+
+std::vector<std::unique_ptr<SimulationTraining>> simulations_of(const Network& shape, const Task& task,
+                                                                const RegressorSet& regressors, const DataSet& data,
+                                                                std::vector<int> horizons) {
+  if (horizons.empty()) horizons = {0};
+  std::vector<std::unique_ptr<SimulationTraining>> simulations;
+  for (const int length : horizons)
+    simulations.push_back(std::make_unique<SimulationTraining>(
+        shape, task.x, task.y, regressors, length > 0 ? in_pieces(data, length, regressors.longest_lag()) : data));
+  return simulations;
+}
+
+}  // namespace
 
 NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, const DataSet& validation,
                         const MlpOptions& options, const FitControl& control) {
@@ -230,20 +269,23 @@ NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, con
     task.X_validation = task.x.normalised(held.X);
     task.Y_validation = task.y.normalised(held.Y);
   }
-  std::optional<SimulationTraining> simulation, simulation_validation;
+  std::vector<std::unique_ptr<SimulationTraining>> simulations;
+  std::optional<SimulationTraining> simulation_validation;
   if (options.simulation) {
-    task.simulation = &simulation.emplace(shape, task.x, task.y, regressors, data);
+    simulations = simulations_of(shape, task, regressors, data, options.horizons);
+    for (const auto& each : simulations) task.simulations.push_back(each.get());
     if (validated)
       task.simulation_validation = &simulation_validation.emplace(shape, task.x, task.y, regressors, validation);
   }
-  MlpFit fit = fit_task(task, shape, random_starts(shape, options), options, control);
+  MlpFit fit = fit_task(task, shape, random_starts(shape, task.X, task.Y, options), options, control);
   if (rows.left_out > 0)
     fit.report.warnings.push_back(fmt::format("{} rows with missing values were left out.", rows.left_out));
   return {make_narx(fit.model, regressors, data, fit.report), fit};
 }
 
 NarxMlpFit refine_narx_mlp(const DataSet& data, const RegressorSet& regressors, const Mlp& map,
-                           const MlpOptions& options, bool keep_zeros, const FitControl& control) {
+                           const MlpOptions& options, bool keep_zeros, const FitControl& control,
+                           const DataSet& validation) {
   check_options(options);
   const Regression rows = make_regression(data, regressors);
   Task task;
@@ -260,20 +302,24 @@ NarxMlpFit refine_narx_mlp(const DataSet& data, const RegressorSet& regressors, 
     how.training.fixed.assign(static_cast<std::size_t>(start.size()), false);
     for (Index i = 0; i < start.size(); ++i) how.training.fixed[static_cast<std::size_t>(i)] = start[i] == 0;
   }
-  std::optional<SimulationTraining> simulation;
   if (options.simulation) {
-    task.simulation = &simulation.emplace(map.network(), task.x, task.y, regressors, data);
     // The start is what shall be refined, not what one-step training makes of it.
-    Watch watch(control, how.training.iterations);
+    const auto simulations = simulations_of(map.network(), task, regressors, data, options.horizons);
+    std::optional<SimulationTraining> held;
+    if (!validation.experiments.empty()) held.emplace(map.network(), task.x, task.y, regressors, validation);
+    const Training* check = held ? &*held : nullptr;
+    Watch watch(control, static_cast<double>(simulations.size()) * how.training.iterations);
     MlpFit fit;
-    fit.training = train(*task.simulation, start, how.training, watch);
+    fit.training.theta = start;
+    for (const auto& simulation : simulations)
+      fit.training = train(*simulation, fit.training.theta, how.training, watch, check);
     Network network = map.network();
     network.set_theta(fit.training.theta);
-    const auto targets = task.simulation->targets();
+    const auto targets = simulations.back()->targets();
     fit.report.method = name_of(how.training.method) + ", through time";
     fit.report.samples = task.X.rows();
     fit.report.parameters = network.parameters();
-    fit.report.tried.push_back(line("the given model", fit.training, targets, nullptr));
+    fit.report.tried.push_back(line("the given model", fit.training, targets, check));
     fit.report.reached = fit.training.sse / static_cast<double>(targets);
     fit.report.iterations = fit.training.iterations;
     fit.report.stopped = fit.training.stopped;

@@ -22,11 +22,18 @@ struct MlpOptions {
   int starts = 20;
   double spread = 0.5;    // first weights lie in (-spread, spread)
   bool normalise = true;  // inputs and outputs to mean 0 and standard deviation 1
+  // Direct connections from the inputs to the outputs. A start is then the linear model of least squares, the neurons
+  // not yet connected to the outputs, so that no start is worse than that.
+  bool direct = false;
   std::uint64_t seed = 1;
   int threads = 0;  // 0: as many as the machine has; the result does not depend on it
   // Dynamic models: the criterion. With simulation the `refined` best starts of one-step training go on through time.
   bool simulation = false;
   int refined = 3;
+  int one_step_iterations = 0;  // of the training before that; 0: training.iterations
+  // Lengths in samples of the free runs to train on, one after the other; 0, or no list: whole experiments. A run over
+  // a short piece of the record, from measured outputs, forgives a model that is not yet good.
+  std::vector<int> horizons;
 };
 
 struct MlpFit {
@@ -53,8 +60,9 @@ NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, con
                         const MlpOptions& options, const FitControl& control = {});
 
 // Goes on from a model: `map` may come from another fit, from a file, or be pruned (weights that are exactly 0 stay 0
-// with `keep_zeros`).
+// with `keep_zeros`). With simulation and `validation` the weights with the least error of its free run are kept.
 NarxMlpFit refine_narx_mlp(const DataSet& data, const RegressorSet& regressors, const Mlp& map,
-                           const MlpOptions& options, bool keep_zeros = false, const FitControl& control = {});
+                           const MlpOptions& options, bool keep_zeros = false, const FitControl& control = {},
+                           const DataSet& validation = {});
 
 }  // namespace plantloop::identify

@@ -44,6 +44,7 @@ void Mlp::write(Item& item) const {
   for (const Layer& layer : network_.layers)
     layers.add(Item().set("activation", name_of(layer.activation)).set("weights", layer.w));
   item.set("layers", std::move(layers));
+  if (network_.direct.size() > 0) item.set("direct", network_.direct);
 }
 
 std::shared_ptr<const Approximator> read_mlp(const Item& item) {
@@ -65,6 +66,12 @@ std::shared_ptr<const Approximator> read_mlp(const Item& item) {
     network.layers.push_back(std::move(layer));
   }
   if (network.layers.empty()) item.at("layers").wrong("a network needs at least one layer");
+  if (item.has("direct")) {
+    network.direct = item.matrix("direct", network.outputs(), network.inputs());
+    if (!network.direct.allFinite()) item.at("direct").wrong("weights must be finite");
+    if (network.layers.back().activation != Activation::linear)
+      item.at("direct").wrong("direct connections need a last layer with the activation linear");
+  }
   Scaling x = read_scaling(item, "x_scaling", network.inputs());
   Scaling y = read_scaling(item, "y_scaling", network.outputs());
   return std::make_shared<Mlp>(std::move(network), std::move(x), std::move(y));

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 Index Network::parameters() const {
   Index count = 0;
   for (const Layer& layer : layers) count += layer.w.size();
-  return count;
+  return count + direct.size();
 }
 
 VectorXd Network::theta() const {
@@ -26,6 +26,7 @@ VectorXd Network::theta() const {
       at += layer->w.cols();
     }
   }
+  all.tail(direct.size()) = direct.reshaped<Eigen::RowMajor>();
   return all;
 }
 
@@ -37,6 +38,7 @@ void Network::set_theta(const VectorXd& theta) {
       at += layer->w.cols();
     }
   }
+  direct.reshaped<Eigen::RowMajor>() = theta.segment(at, direct.size());
 }
 
 // Of each layer its sums s and its outputs h; then two rows for the way back.
@@ -63,15 +65,23 @@ void forward(const Layer& layer, const double* x, double* s, double* h) {
   for (Index i = 0; i < n; ++i) h[i] = activate(layer.activation, s[i]);
 }
 
+void add_direct(const Eigen::MatrixXd& direct, const double* x, double* y) {
+  for (Index k = 0; k < direct.cols(); ++k) {
+    for (Index o = 0; o < direct.rows(); ++o) y[o] += direct(o, k) * x[k];
+  }
+}
+
 }  // namespace
 
 void Network::evaluate(const double* x, double* y, double* scratch) const {
+  const double* const first = x;
   for (const Layer& layer : layers) {
     double* h = &layer == &layers.back() ? y : scratch + layer.neurons();
     forward(layer, x, scratch, h);
     x = h;
     scratch += 2 * layer.neurons();
   }
+  add_direct(direct, first, y);
 }
 
 void Network::differentiate(const double* x, double* y, double* by_theta, double* by_x, double* scratch) const {
@@ -119,11 +129,18 @@ void Network::differentiate(const double* x, double* y, double* by_theta, double
         target[k] = sum;
       }
     }
+    if (direct.size() == 0) continue;
+    if (gradient != nullptr) {
+      std::fill(gradient, gradient + direct.size(), 0.0);
+      std::copy(x, x + inputs(), gradient + o * inputs());
+    }
+    if (by_x != nullptr) VectorXd::Map(by_x + o * inputs(), inputs()) += direct.row(o).transpose();
   }
+  add_direct(direct, x, y);
 }
 
 Network make_network(int inputs, const std::vector<int>& hidden, int outputs, Activation hidden_activation,
-                     Activation output_activation) {
+                     Activation output_activation, bool direct) {
   if (inputs < 1 || outputs < 1)
     fail("a network with {} inputs and {} outputs; there must be at least one", inputs, outputs);
   Network network;
@@ -134,6 +151,10 @@ Network make_network(int inputs, const std::vector<int>& hidden, int outputs, Ac
     below = neurons;
   }
   network.layers.push_back({Eigen::MatrixXd::Zero(outputs, below + 1), output_activation});
+  if (!direct) return network;
+  if (output_activation != Activation::linear)
+    fail("direct connections need linear outputs, those of this network are {}", name_of(output_activation));
+  network.direct.setZero(outputs, inputs);
   return network;
 }
 

@@ -24,9 +24,11 @@ struct Layer {
 // Layers from the inputs to the outputs; the inputs of each are the neurons of the one before.
 //
 // theta: the weights from the last layer to the first one, in each row by row with the bias last. Of one hidden layer
-// and one output that is W2_1 ... W2_H, b2, then W1 row by row.
+// and one output that is W2_1 ... W2_H, b2, then W1 row by row. Direct connections, which lead from the inputs to the
+// outputs past all layers, come last, row by row.
 struct Network {
   std::vector<Layer> layers;
+  Eigen::MatrixXd direct;  // outputs x inputs, or empty: none; only where the outputs are linear
 
   Eigen::Index inputs() const { return layers.front().inputs(); }
   Eigen::Index outputs() const { return layers.back().neurons(); }
@@ -42,9 +44,10 @@ struct Network {
   void differentiate(const double* x, double* y, double* by_theta, double* by_x, double* scratch) const;
 };
 
-// hidden: neurons of each hidden layer; all weights 0. Raises IdentifyError for sizes below 1.
+// hidden: neurons of each hidden layer; all weights 0. Raises IdentifyError for sizes below 1, and for direct
+// connections to outputs that are not linear.
 Network make_network(int inputs, const std::vector<int>& hidden, int outputs, Activation hidden_activation,
-                     Activation output_activation = Activation::linear);
+                     Activation output_activation = Activation::linear, bool direct = false);
 // Weights uniformly distributed on (-spread, spread).
 void randomise(Network& network, double spread, Random& random);
 

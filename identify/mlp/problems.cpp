@@ -108,6 +108,10 @@ SimulationTraining::SimulationTraining(Network shape, Scaling x, Scaling y, Regr
     fail("no sample is left to simulate: the experiments are not longer than the longest lag {}", first);
 }
 
+namespace {
+constexpr double runaway = 1e12;  // of a sum of squares of normalised errors
+}
+
 double SimulationTraining::sse(const VectorXd& theta) const {
   Network network = network_;
   network.set_theta(theta);
@@ -125,6 +129,8 @@ double SimulationTraining::sse(const VectorXd& theta) const {
         const double measured = experiment.y(k, o);
         if (std::isfinite(measured)) sum += std::pow((measured - y(k, o)) / y_.scale[o], 2);
       }
+      // What grows beyond all bounds need not be followed to its end.
+      if (!(sum < runaway)) return std::numeric_limits<double>::infinity();
     }
   }
   return sum;
@@ -164,6 +170,7 @@ double SimulationTraining::normal(const VectorXd& theta, MatrixXd& R, VectorXd& 
         VectorXd::Map(sum.next(), p) = by_theta.col(o);
         sum.add(error);
       }
+      if (!(sse < runaway)) return std::numeric_limits<double>::infinity();
       now = by_theta * y_.scale.asDiagonal();
     }
   }

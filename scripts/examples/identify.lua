@@ -1,15 +1,37 @@
 -- Which model describes the process behind a file of measurements?
 --
--- plantloop script scripts/examples/identify.lua DATA.csv [NAME]
--- DATA.csv has the columns time, u..., y...; empty cells are missing values. For each output the script looks at the data,
--- tries linear and polynomial structures on the first part, judges each by its free run on what was held back, and writes the
--- best model and the figures of its validation to out/NAME-*. Without a file it identifies a made-up tank.
+-- plantloop script scripts/examples/identify.lua DATA.csv [TEST.csv] [NAME] [effort=1] [train=1] [seed=1]
+--
+-- The files have the columns time, u..., y...; empty cells are missing values. For each output the script looks at the data,
+-- fits linear models, polynomials, networks, local models and Gaussian processes to a part of them and judges each by its free
+-- run over blocks of time that were held back. The best structure is fitted again to all data of DATA.csv, judged once by
+-- TEST.csv, and written to out/NAME-OUTPUT.yaml with the figures of its validation.
+--
+--   train=0.5    only the first half of DATA.csv is used; the rest is the test
+--   effort=3     how much is tried: about minutes; 1 is enough for records of some thousand samples
+--
+-- What is tried depends on the effort and the size of the record, never on the clock, so that a run can be repeated exactly.
+-- Without a file it identifies a made-up tank.
 local pl = require "plantloop"
 local identify = pl.identify
 
+local files, options, given_name = {}, {effort = 1, train = 1, seed = 1}, nil
+for _, word in ipairs(arg) do
+  local key, value = word:match("^(%w+)=(.+)$")
+  if key then
+    if not options[key] or not tonumber(value) then error(("'%s' is no option; there are effort=, train= and seed= with a number"):format(word), 0) end
+    options[key] = tonumber(value)
+  elseif word:match("%.csv$") then
+    files[#files + 1] = word
+  else
+    given_name = word
+  end
+end
+local effort, seed = options.effort, math.floor(options.seed)
+
 -- A tank whose outflow goes with the root of its level, when no file is given.
 local function made_up()
-  local n = 1200
+  local n = 600
   local u = identify.staircase{samples = n, hold = {10, 40}, lower = 0.2, upper = 1, seed = 3}
   local y, noise = pl.zeros(n), identify.white_noise{samples = n, deviation = 0.003, seed = 4}
   y[1] = 0.3
@@ -17,140 +39,394 @@ local function made_up()
   return identify.data{u = u, y = y + noise, Ts = 1, inputs = {"u_inflow"}, outputs = {"y_level"}}
 end
 
-local path = arg[1]
-local name = arg[2] or (path and path:match("([^/]+)%.csv$")) or "tank"
-local all = path and identify.read(path) or made_up()
+local function filled(data)
+  if data.missing == 0 then return data end
+  print(("  %d missing values inside of the record are filled with straight lines"):format(data.missing))
+  return data:fill("line")
+end
+
+local name = given_name or (files[1] and files[1]:match("([^/]+)%.csv$")) or "tank"
+if not files[1] then effort = math.min(effort, 0.03) end
+local all = files[1] and identify.read(files[1]) or made_up()
 print("The data")
 for _, line in ipairs(all:advice()) do print("  " .. line) end
-if all.missing > 0 then
-  all = all:fill("line")
-  print "  missing values inside of the record are filled with straight lines"
+all = filled(all)
+local test
+if files[2] then test = filled(identify.read(files[2])) end
+if options.train < 1 then
+  local rest
+  all, rest = all:split(options.train)
+  test = test or rest
 end
 
--- One output at a time; the others are left out.
-local function data_of(output)
+-- One output; the others are left out. Gives the experiments one by one.
+local function experiments_of(data, output)
   local parts = {}
-  for i = 1, all.experiments do
-    local e = all:experiment(i)
-    local y = e:column(all.outputs[output])
-    parts[i] = identify.data{u = e.u, y = y, Ts = all.Ts, inputs = all.inputs, outputs = {all.outputs[output]}}
+  for i = 1, data.experiments do
+    local e = data:experiment(i)
+    parts[i] = identify.data{u = e.u, y = e:column(data.outputs[output]), Ts = data.Ts, inputs = data.inputs,
+                             outputs = {data.outputs[output]}}
   end
-  return #parts == 1 and parts[1] or identify.join(table.unpack(parts))
+  return parts
 end
 
--- Free-run error with the first samples not scored. A model that fails is a line in the table, not the end.
+local function joined(parts) return #parts == 1 and parts[1] or identify.join(table.unpack(parts)) end
+
+-- Parts of time as shares of each experiment: a list of {from, until}, as a list of data sets.
+local function cut(parts, shares)
+  local result = {}
+  for _, part in ipairs(parts) do
+    for _, share in ipairs(shares) do
+      local first, last = math.floor(share[1] * part.samples) + 1, math.floor(share[2] * part.samples)
+      if last - first >= 10 then result[#result + 1] = part:part(first, last) end
+    end
+  end
+  return result
+end
+
+-- Blocks of time that are held back, never single samples, as neighbours know each other. Short records are split several
+-- times, so that every block has its turn.
+local function splits_of(parts, samples)
+  local held
+  if samples < 2500 then
+    held = {{{0, 0.25}}, {{0.25, 0.5}}, {{0.5, 0.75}}, {{0.75, 1}}}
+  else
+    held = {{{0.25, 0.4}, {0.85, 1}}}
+  end
+  local splits = {}
+  for i, blocks in ipairs(held) do
+    local rest, at = {}, 0
+    for _, block in ipairs(blocks) do
+      if block[1] > at then rest[#rest + 1] = {at, block[1]} end
+      at = block[2]
+    end
+    if at < 1 then rest[#rest + 1] = {at, 1} end
+    local train, back = cut(parts, rest), cut(parts, blocks)
+    splits[i] = {train = joined(train), held = joined(back), train_parts = train, held_parts = back}
+  end
+  return splits
+end
+
+-- Root of the mean square of the free run's error over experiments, the first samples of each not scored; the fit in %; and
+-- the mean squares of pieces of them.
 local scored_from = 20
-local function judge(model, data)
-  local ok, y = pcall(function() return model:simulate(data) end)
-  if not ok then return math.huge end
-  local rmse = identify.metrics(data.y, y, {skip = math.min(scored_from, data.samples // 4)}).RMSE
-  return rmse == rmse and rmse or math.huge
+local function judge(model, parts)
+  local square, count, total, sum, pieces = 0, 0, 0, 0, {}
+  for _, part in ipairs(parts) do
+    local ok, y = pcall(function() return model:simulate(part) end)
+    if not ok then return math.huge, -math.huge, {} end
+    local skip = math.min(scored_from, part.samples // 4)
+    local measured, run = part.y:slice(skip + 1, part.samples), y:slice(skip + 1, part.samples)
+    local m = identify.metrics(measured, run)
+    square, count = square + m.SE * #measured, count + #measured
+    total, sum = total + pl.sum(measured * measured), sum + pl.sum(measured)
+    local cuts = math.max(1, math.min(8, #measured // 25))
+    for i = 1, cuts do
+      local first, last = (i - 1) * #measured // cuts + 1, i * #measured // cuts
+      pieces[#pieces + 1] = identify.metrics(measured:slice(first, last), run:slice(first, last)).SE
+    end
+  end
+  local rmse = math.sqrt(square / count)
+  if rmse ~= rmse then return math.huge, -math.huge, {} end
+  local deviation = math.sqrt(math.max(total / count - (sum / count) ^ 2, 0))
+  return rmse, 100 * (1 - rmse / deviation), pieces
 end
 
 local function identify_output(output)
-  local data = data_of(output)
-  local train, held = data:split(0.7)
-  local label = all.outputs[output]
-  print(("\n%s: %d samples to identify, %d held back"):format(label, train.samples, held.samples))
-  local inputs = #all.inputs
+  local parts = experiments_of(all, output)
+  local data, label, inputs = joined(parts), all.outputs[output], #all.inputs
+  -- Structures of long records are searched on pieces of them; the winner is fitted to everything.
+  local most = math.floor(6000 * math.max(0.5, math.min(effort, 4)))
+  local searched = parts
+  if data.samples > 1.5 * most then
+    local keep = most / data.samples / 4
+    searched = cut(parts, {{0.05, 0.05 + keep}, {0.35, 0.35 + keep}, {0.65, 0.65 + keep}, {1 - keep, 1}})
+  end
+  local samples = joined(searched).samples
+  local splits = splits_of(searched, samples)
+  if samples < 100 then error(("%s: %d samples are too few for a search of structures"):format(label, samples), 0) end
+  print(("\n%s: %d samples, structures are searched on %d of them in %d split%s of train and held-back blocks"):format(label, data.samples,
+    samples, #splits, #splits > 1 and "s" or ""))
+
+  -- The work that was done, in units of about a second; what would go beyond the budget is not begun.
+  local budget, spent = 200 * effort, 0
+  local rows = splits[1].train.samples * #splits
+
   local candidates = {}
-  local function try(what, fit)
-    local ok, model = pcall(fit, train)
-    if not ok then
-      print(("  %-58s %s"):format(what, tostring(model):gsub("\n.*", ""):sub(1, 90)))
-      return
+  -- fit(data): a model. again(data, model): that model fitted on to more data, where that is cheaper or better.
+  local function try(family, what, work, fit, again)
+    if spent + work > budget and #candidates > 6 then return end
+    spent = spent + work
+    local squares, trains, models, pieces = 0, 0, {}, {}
+    for i, split in ipairs(splits) do
+      local ok, model = pcall(fit, split.train)
+      if not ok then
+        if i == 1 then print(("  %-62s %s"):format(what, tostring(model):gsub("\n.*", ""):gsub("^.-:%d+: ", ""):sub(1, 70))) end
+        return
+      end
+      models[i] = model
+      local rmse, _, own = judge(model, split.held_parts)
+      squares = squares + rmse ^ 2
+      table.move(own, 1, #own, #pieces + 1, pieces)
+      trains = trains + judge(model, split.train_parts) ^ 2
+      if squares == math.huge then break end
     end
-    local candidate = {what = what, fit = fit, model = model, train = judge(model, train), held = judge(model, held)}
+    local candidate = {family = family, what = what, fit = fit, again = again, models = models, pieces = pieces,
+                       parameters = family == "Gaussian process" and 1000 or models[1].report.parameters, train = math.sqrt(trains / #splits),
+                       held = math.sqrt(squares / #splits)}
     candidates[#candidates + 1] = candidate
-    print(("  %-58s %12.5g %12.5g"):format(what, candidate.train, candidate.held))
+    print(("  %-62s %12.5g %12.5g"):format(what, candidate.train, candidate.held))
+    return candidate
   end
-  print(("  %-58s %12s %12s"):format("structure", "identified", "held back"))
+  print(("  %-62s %12s %12s"):format("structure, and the RMSE of its free run", "identified", "held back"))
 
-  -- Linear: orders by a table of ARX structures, then output error around the best.
-  local most = train.samples > 600 and 6 or 3
-  local ok, list = pcall(identify.order_table, train, {na = {1, most}, nb = {1, most}, delay = {-1, 6}, remove_means = true, validation = held})
-  local delay = 0
-  if ok and inputs > 0 then
-    for _, by in ipairs{"MDL", "simulated"} do
-      local c = list.best[by]
-      try(("ARX na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, by == "MDL" and by or "free run"),
-          function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = c.delay, remove_means = true}) end)
+  -- Linear: orders and delay by a table of ARX structures, then output error around the best.
+  local highest = samples > 600 and 6 or 3
+  local delay, order = 0, 2
+  if inputs > 0 then
+    local ok, list = pcall(identify.order_table, splits[1].train,
+                           {na = {1, highest}, nb = {1, highest}, delay = {-1, 6}, remove_means = true, validation = splits[1].held})
+    if ok then
+      for _, by in ipairs{"MDL", "simulated"} do
+        local c = list.best[by]
+        try("ARX", ("ARX na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, by == "MDL" and by or "free run"), 0.1,
+            function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = c.delay, remove_means = true}) end)
+      end
+      -- The least delay that is not clearly worse than the best: a slow process does not tell where its delay ends.
+      delay = list.best.simulated.delay
+      for _, c in ipairs(list) do
+        if c.simulated < 1.05 * list.best.simulated.simulated then delay = math.min(delay, c.delay) end
+      end
     end
-    delay = list.best.simulated.delay
-    for nf = 1, 4 do
-      try(("output error nb %d nf %d delay %d"):format(nf, nf, delay),
-          function(d) return identify.oe(d, {nb = nf, nf = nf, delay = delay, remove_means = true}) end)
+    local best_oe
+    for _, d in ipairs(delay >= 0 and {delay, delay - 1} or {delay, 0}) do
+      for nf = 1, highest > 3 and 6 or 4 do
+        local c = try("output error", ("output error nb %d nf %d delay %d"):format(nf, nf, d), rows * nf * 2e-5,
+            function(x) return identify.oe(x, {nb = nf, nf = nf, delay = d, remove_means = true, iterations = 60}) end)
+        if c and (not best_oe or c.held < 0.98 * best_oe.held) then best_oe, delay, order = c, d, nf end
+      end
     end
-    try("Box-Jenkins nb 2 nc 1 nd 2 nf 2", function(d) return identify.bj(d, {nb = 2, nc = 1, nd = 2, nf = 2, delay = delay, remove_means = true}) end)
-    try("state space by subspace", function(d) return identify.state_space(d, {remove_means = true}) end)
+    try("Box-Jenkins", ("Box-Jenkins nb %d nc 1 nd 2 nf %d delay %d"):format(order, order, delay), rows * 1e-4,
+        function(d) return identify.bj(d, {nb = order, nc = 1, nd = 2, nf = order, delay = delay, remove_means = true, iterations = 60}) end)
+    for n = 2, highest, 2 do
+      try("state space", ("state space of order %d by subspace"):format(n), rows * 1e-4,
+          function(d) return identify.state_space(d, {order = n, remove_means = true}) end)
+    end
   end
 
-  -- Polynomial NARX: lags around those of the linear models, terms by orthogonal least squares, fitted to the free run.
-  local function lags(ny, first, last)
+  -- Lags: ny of the output, nu of each input from the delay on.
+  local function channel(i) return all.inputs[i]:match("^[%a_][%w_]*$") or "u" .. i end
+  local function lags(ny, nu, d)
     local text = ny > 0 and ("y(k-1..%d)"):format(ny) or ""
     for i = 1, inputs do
-      text = text .. (text == "" and "" or ", ") .. ("u%d(k-%d..%d)"):format(i, first, last)
+      text = text .. (text == "" and "" or ", ") ..
+             (d < 0 and ("%s(k..%d)"):format(channel(i), nu - 1) or ("%s(k-%d..%d)"):format(channel(i), d + 1, d + nu))
     end
     return text
   end
-  for _, ny in ipairs{1, 2, 3, 4} do
-    for _, nu in ipairs{2, 4, 6} do
-      for _, degree in ipairs{2, 3} do
-        local signals = ny + inputs * nu
-        if degree == 2 and signals <= 24 or signals <= 8 then
-          try(("polynomial NARX, degree %d, %d of y, %d of u"):format(degree, ny, nu), function(d)
-            return identify.polynomial(d, {regressors = lags(ny, delay + 1, delay + nu), degree = degree,
-                                           most_terms = 30, iterations = 40})
-          end)
-        end
+  -- The structures that did best so far, for the costly ones to begin with.
+  local structures = {}
+  local function note(candidate, ny, nu, d)
+    if not candidate or candidate.held == math.huge then return end
+    structures[#structures + 1] = {ny = ny, nu = nu, d = d, held = candidate.held}
+  end
+  local function best_structures(count)
+    table.sort(structures, function(a, b)
+      if a.held ~= b.held then return a.held < b.held end
+      return a.ny + a.nu < b.ny + b.nu
+    end)
+    local seen, chosen = {}, {}
+    for _, s in ipairs(structures) do
+      local key = s.ny .. " " .. s.nu .. " " .. s.d
+      if not seen[key] and #chosen < count then
+        seen[key] = true
+        chosen[#chosen + 1] = s
+      end
+    end
+    return chosen
+  end
+
+  -- Polynomial NARX: terms by orthogonal least squares, each size fitted to the free run.
+  local tried = {}
+  local function try_polynomial(ny, nu, d, degree)
+    local key = table.concat({ny, nu, d, degree}, " ")
+    local signals = ny + inputs * nu
+    if ny < 1 or nu < 1 or tried[key] or signals > (degree == 2 and 20 or 9) then return end
+    tried[key] = true
+    local candidate = try("polynomial NARX", ("polynomial NARX, degree %d, %d of y, %d of u, delay %d"):format(degree, ny, nu, d),
+        rows * 1e-4, function(x)
+          return identify.polynomial(x, {regressors = lags(ny, nu, d), degree = degree, most_terms = 30, iterations = 30})
+        end, function(x, model) return model:fit_free_run(x, 60) end)
+    note(candidate, ny, nu, d)
+  end
+  for _, degree in ipairs{2, 3} do
+    for _, ny in ipairs{order, 2, 1, 3, 4} do try_polynomial(ny, math.max(1, math.min(ny, 4)), delay, degree) end
+  end
+  for _ = 1, 2 do
+    local top = best_structures(1)[1]
+    if top then
+      for _, degree in ipairs{3, 2} do
+        try_polynomial(top.ny, top.nu + 1, top.d, degree)
+        try_polynomial(top.ny + 1, top.nu, top.d, degree)
+        try_polynomial(top.ny + 1, top.nu + 1, top.d, degree)
+        try_polynomial(top.ny, top.nu - 1, top.d, degree)
+        try_polynomial(top.ny, top.nu + 2, top.d, degree)
+        if top.d > -1 then try_polynomial(top.ny, top.nu + 1, top.d - 1, degree) end
       end
     end
   end
 
-  local best
-  for _, c in ipairs(candidates) do
-    if c.held < math.huge and (not best or c.held < best.held) then best = c end
+  -- Networks beside a linear model, trained through time: first over short pieces, then over the whole record.
+  -- The weight decay is that of a priori weights of about 1 and errors as those of the best polynomial.
+  local function try_network(s, neurons, decay)
+    local work = rows * (2 + 1e-3 * (neurons * (s.ny + inputs * s.nu + 2)) ^ 2) * 4e-4
+    local candidate = try("network", ("network of %d neurons, %d of y, %d of u, delay %d, decay %.1g"):format(neurons, s.ny, s.nu, s.d, decay), work,
+      function(x)
+        return identify.mlp(x, {regressors = lags(s.ny, s.nu, s.d), hidden = neurons, direct = true, simulation = true, starts = 6, refined = 2,
+                                one_step_iterations = 20, iterations = 60, horizons = {20 + 4 * (s.ny + s.nu), 0}, decay = decay, seed = seed})
+      end, function(x, model) return model:fit_free_run(x, {iterations = 60, decay = decay}) end)
+    note(candidate, s.ny, s.nu, s.d)
+    return candidate
   end
-  if not best then
+  local deviation = pl.std(data.y)
+  local tops = best_structures(2)
+  local decay = 1e-2
+  if tops[1] then decay = math.max(1e-6, math.min(0.3, (tops[1].held / deviation) ^ 2)) end
+  local known = {}
+  for _, s in ipairs(tops) do known[s.ny .. " " .. s.nu .. " " .. s.d] = true end
+  for _, n in ipairs{order, 3, 2, 4} do
+    if not known[n .. " " .. n .. " " .. delay] then
+      known[n .. " " .. n .. " " .. delay] = true
+      tops[#tops + 1] = {ny = n, nu = inputs > 0 and n or 0, d = delay}
+    end
+  end
+  local best_network
+  for _, s in ipairs(tops) do
+    local last
+    for _, neurons in ipairs{3, 6, 12} do
+      local candidate = try_network(s, neurons, decay)
+      if candidate and (not best_network or candidate.held < best_network.held) then
+        best_network = candidate
+        best_network.structure, best_network.neurons = s, neurons
+      end
+      if last and candidate and candidate.held > 1.05 * last.held then break end
+      last = candidate or last
+    end
+  end
+  if best_network then
+    local s, neurons = best_network.structure, best_network.neurons
+    for _, factor in ipairs{0.1, 10} do
+      local last, own = best_network, decay * factor
+      while own < 10 and own > 1e-9 do
+        local candidate = try_network(s, neurons, own)
+        if not candidate or candidate.held > last.held then break end
+        last, own = candidate, own * factor
+      end
+    end
+  end
+
+  -- One-step models: Gaussian processes, radial functions, local models.
+  local function one_step(family, what, work, s, fit)
+    try(family, ("%s, %d of y, %d of u, delay %d"):format(what, s.ny, s.nu, s.d), work, function(x) return fit(x, lags(s.ny, s.nu, s.d)) end)
+  end
+  for i, s in ipairs(best_structures(2)) do
+    local points = math.min(math.floor(250 * math.max(1, math.min(effort, 4))), rows)
+    one_step("Gaussian process", ("Gaussian process, %d points"):format(points), #splits * (points / 250) ^ 3, s, function(x, regressors)
+      return identify.gaussian_process(x, {regressors = regressors, covariance = "se_ard", mean = "linear", starts = 2, iterations = 60,
+                                           points = points, seed = seed})
+    end)
+    for _, models in ipairs{4, 10, 20} do
+      one_step("local models", ("%d local models"):format(models), rows * models * 1e-5, s, function(x, regressors)
+        return identify.local_models(x, {regressors = regressors, models = models})
+      end)
+    end
+    if i == 1 then
+      for _, functions in ipairs{15, 40} do
+        one_step("radial functions", ("%d radial functions"):format(functions), #splits * functions * math.min(rows / #splits, 2000) * rows / #splits * 2e-8, s, function(x, regressors)
+          return identify.rbf_network(x, {regressors = regressors, functions = functions, width = 0.7, ridge = 1e-8})
+        end)
+      end
+    end
+  end
+
+  table.sort(candidates, function(a, b) return a.held < b.held end)
+  local best = candidates[1]
+  if not best or best.held == math.huge then
     print "  no structure gives a model that runs freely"
     return
   end
-  print(("  best: %s, free run %.5g held back (standard deviation %.5g)"):format(best.what, best.held, pl.std(held.y)))
+  print(("\n  least error: %s, free run %.5g held back, %.2f %% of the standard deviation"):format(best.what, best.held, 100 * best.held / deviation))
+  -- Of models that cannot be told apart the one with the fewest parameters: their mean squares, piece by piece of the blocks
+  -- held back, differ from the best by less than one standard error.
+  local least = best
+  for _, c in ipairs(candidates) do
+    if c.held < 1.05 * least.held and #c.pieces == #least.pieces and c.parameters < best.parameters then
+      local d = pl.vector(c.pieces) - pl.vector(least.pieces)
+      if pl.mean(d) < pl.std(d) / math.sqrt(#d) then best = c end
+    end
+  end
+  if best ~= least then print(("  not to be told apart from it, with %d parameters instead of %d: %s"):format(best.parameters, least.parameters, best.what)) end
 
-  -- The best structure again, by all data, is what is saved; the figures judge the one that has not seen what was held back.
-  local fitted, final = pcall(best.fit, data)
-  if not fitted or judge(final, data) > 1.5 * math.max(best.train, best.held) then
-    print "  the fit to all data does not run freely as well: the model of the first part is saved"
-    final = best.model
+  -- The best structure again, by all data: from the beginning, and on from what a part of them gave.
+  local final, reached = nil, math.huge
+  local function offer(fit, ...)
+    local ok, model = pcall(fit, data, ...)
+    local rmse = ok and judge(model, parts) or math.huge
+    if rmse < reached then final, reached = model, rmse end
+  end
+  if not best.again or data.samples < 2 * most then offer(best.fit) end
+  if best.again then
+    for _, model in ipairs(best.models) do offer(best.again, model) end
+  end
+  if reached > 1.5 * math.max(best.train, best.held) then
+    print "  the fit to all data does not run freely as well: a model of a part of them is saved"
+    final = best.models[1]
+    reached = judge(final, parts)
+  end
+
+  local tests = test and experiments_of(test, output)
+  print(("  %-62s %12s %12s%s"):format("the best of each family: RMSE of the free run", "identified", "held back", tests and "         test" or ""))
+  local seen = {}
+  for _, c in ipairs(candidates) do
+    if not seen[c.family] and c.held < math.huge then
+      seen[c.family] = true
+      print(("  %-62s %12.5g %12.5g%s"):format(c.what, c.train, c.held, tests and (" %12.5g"):format((judge(c.models[1], tests))) or ""))
+    end
   end
   local stem = ("out/%s-%s"):format(name, label)
   final:save(stem .. ".yaml")
+  local _, percent = judge(final, parts)
+  print(("  the model that is saved, fitted to all data: RMSE %.5g, FIT %.2f %%"):format(reached, percent))
+  if tests then print(("  its free run over the test: RMSE %.5g, FIT %.2f %%"):format(judge(final, tests))) end
   print(("  written: %s.yaml, %s-validation.png, %s-residuals.png"):format(stem, stem, stem))
   for _, warning in ipairs(final.report.warnings) do print("  warning: " .. warning) end
 
-  local y = best.model:simulate(held)
-  local figure = pl.figure{title = best.what .. " on data that it has not seen", x = "time t [s]"}
-  figure:panel{y = label}:markers(held.time, held.y, {marker = "dot", color = "grey", label = "measured"})
-        :line(held.time, y, {color = "blue", label = "free run"})
-  figure:panel{y = "error", height = 0.5}:line(held.time, held.y - y, {color = "vermillion"})
+  -- The figures judge what the shown model has not seen.
+  local judged = tests and tests[1] or splits[1].held_parts[#splits[1].held_parts]
+  local model = tests and final or best.models[1]
+  local y = model:simulate(judged)
+  local figure = pl.figure{title = best.what .. (tests and ": the test" or ": data that it has not seen"), x = "time t [s]"}
+  figure:panel{y = label}:markers(judged.time, judged.y, {marker = "dot", color = "grey", label = "measured"})
+        :line(judged.time, y, {color = "blue", label = "free run"})
+  figure:panel{y = "error", height = 0.5}:line(judged.time, judged.y - y, {color = "vermillion"})
   figure:save(stem .. "-validation.png")
 
-  local has_predictor, predicted = pcall(function() return best.model:predict(held, 1) end)
-  local e = held.y - (has_predictor and predicted or y)
+  local has_predictor, predicted = pcall(function() return model:predict(judged, 1) end)
+  local e = judged.y - (has_predictor and predicted or y)
   local skip = math.min(scored_from, #e // 4)
   e = e:slice(skip + 1, #e)
   figure = pl.figure{title = has_predictor and "Residuals of one step" or "Residuals of the free run", x = "lag [samples]"}
   local c = identify.autocorrelation(e)
   figure:panel{y = "e with e", limits = {-1, 1}, bands = {{lower = -c.band, upper = c.band}}}:line(c.lag, c.r, {style = "line_points"})
   for i = 1, inputs do
-    local cross = identify.cross_correlation(e, held:column(all.inputs[i]):slice(skip + 1, held.samples))
+    local cross = identify.cross_correlation(e, judged:column(all.inputs[i]):slice(skip + 1, judged.samples))
     figure:panel{y = "e with " .. all.inputs[i], limits = {-1, 1}, bands = {{lower = -cross.band, upper = cross.band}}}
           :line(cross.lag, cross.r, {style = "line_points"})
   end
   figure:save(stem .. "-residuals.png")
   if inputs > 0 then
-    for _, test in ipairs(identify.residual_tests(e, held:column(all.inputs[1]):slice(skip + 1, held.samples))) do
-      print(("  %-14s %s"):format(test.name, test.meaning))
+    for _, result in ipairs(identify.residual_tests(e, judged:column(all.inputs[1]):slice(skip + 1, judged.samples))) do
+      print(("  %-14s %s"):format(result.name, result.meaning))
     end
   end
 end

@@ -146,6 +146,7 @@ int run(Session& session, Job& job) {
 int run_script_text(std::string_view text, const std::string& path, const std::vector<std::string>& arguments,
                     const ScriptOptions& options) {
   lua::Session session(options, path);
+  session.arguments = arguments;
   lua::Job job{text, arguments};
   return lua::run(session, job);
 }

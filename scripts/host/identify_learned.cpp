@@ -43,7 +43,7 @@ int mlp(lua_State* L) {
   const DataSet& data = data_argument(L, 1);
   const Options o(L, 2, "the options of mlp",
                   {"regressors", "hidden", "activation", "method", "starts", "iterations", "decay", "simulation",
-                   "validation", "patience", "spread", "seed"});
+                   "validation", "patience", "spread", "seed", "direct", "refined", "horizons", "one_step_iterations"});
   identify::MlpOptions m;
   if (o.has("hidden")) m.hidden = integers(L, o, "hidden");
   if (o.has("activation")) m.activation = identify::find_activation(o.text("activation"));
@@ -54,6 +54,10 @@ int mlp(lua_State* L) {
   m.training.decay = o.number("decay").value_or(0);
   m.spread = o.number("spread").value_or(m.spread);
   m.simulation = o.flag("simulation");
+  m.direct = o.flag("direct");
+  m.refined = integer(o, "refined", m.refined);
+  m.one_step_iterations = integer(o, "one_step_iterations", 0);
+  if (o.has("horizons")) m.horizons = integers(L, o, "horizons");
   m.seed = seed_of(o);
   DataSet none;
   const DataSet* validation = &none;
@@ -171,6 +175,27 @@ int prune(lua_State* L) {
   return 1;
 }
 
+int fit_free_run(lua_State* L) {
+  const NarxModel& model = self(L);
+  const Options o(L, 3, "the options of fit_free_run", {"iterations", "decay", "horizons", "validation", "patience"});
+  const auto* map = dynamic_cast<const identify::Mlp*>(model.map.get());
+  if (map == nullptr)
+    throw ScriptError(fmt::format("only an mlp is fitted to its free run, this is a {}", model.map->type()));
+  identify::MlpOptions m;
+  m.simulation = true;
+  m.training.iterations = integer(o, "iterations", 100);
+  m.training.patience = integer(o, "patience", m.training.patience);
+  m.training.decay = o.number("decay").value_or(0);
+  if (o.has("horizons")) m.horizons = integers(L, o, "horizons");
+  DataSet none;
+  const DataSet* validation = &none;
+  if (o.push("validation")) validation = &data_argument(L, -1);
+  push_learned_model(
+      L, identify::refine_narx_mlp(data_argument(L, 2), model.regressors, *map, m, false, control_of(L), *validation)
+             .model);
+  return 1;
+}
+
 int save(lua_State* L) {
   write_and_push(L, text_argument(L, 2, "path"), identify::to_yaml(self(L)), {".yaml"});
   return 1;
@@ -213,10 +238,13 @@ Entries identify_learned_functions() {
       {"mlp", guarded<mlp>,
        "data: pl.DataSet, options: {regressors: string, hidden?: integer|integer[], activation?: string, method?: "
        "string, starts?: integer, iterations?: integer, decay?: number, simulation?: boolean, validation?: pl.DataSet, "
-       "patience?: integer, spread?: number, seed?: integer}",
+       "patience?: integer, spread?: number, seed?: integer, direct?: boolean, refined?: integer, horizons?: "
+       "integer|integer[], one_step_iterations?: integer}",
        "pl.LearnedModel",
        "a multilayer perceptron from many starts; simulation: trained through time for the error of the free run; "
-       "validation: each start ends where its error there is least"},
+       "validation: each start ends where its error there is least; direct: from the inputs to the outputs too, "
+       "beginning with the linear model; horizons: samples of the free runs, one training after the other, 0 the whole "
+       "record"},
       {"rbf_network", guarded<rbf_network>,
        "data: pl.DataSet, options: {regressors: string, function?: string, centres?: \"ols\"|\"box\"|\"spread\", "
        "functions?: integer, width?: number, constant?: boolean, ridge?: number, tolerance?: number, optimise?: "
@@ -252,6 +280,10 @@ Entries learned_model_methods() {
       {"prune", guarded<prune>,
        "data: pl.DataSet, options?: {test?: pl.DataSet, decay?: number, iterations?: integer, least?: integer}",
        "pl.LearnedModel", "an mlp without the weights that are missed least (optimal brain surgeon)"},
+      {"fit_free_run", guarded<fit_free_run>,
+       "data: pl.DataSet, options?: {iterations?: integer, decay?: number, horizons?: integer|integer[], validation?: "
+       "pl.DataSet, patience?: integer}",
+       "pl.LearnedModel", "the same mlp trained on through time, for the error of its free run"},
       {"save", guarded<save>, "path: string", "string", "writes a model file, .yaml; gives the path"},
   };
 }

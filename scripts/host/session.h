@@ -31,7 +31,10 @@ struct Session {
   // Notes and warnings, each text once.
   void tell(const Report& report);
 
-  // The path of a file to read: relative to the script's folder, or absolute below the project. No hidden files.
+  std::vector<std::string> arguments;  // of the command line
+
+  // The path of a file to read: relative to the script's folder, or absolute below the project; no hidden files. An
+  // argument of the command line that names a file may be read as it is, as the user chose it.
   FileResult readable(const std::string& path) const;
   // The path of a file to write: below the working directory, not hidden, not a program. Its folders are made.
   FileResult writable(const std::string& path) const;

@@ -77,6 +77,32 @@ TEST_F(Identification, LearnsNetworksLocalModelsAndGaussianProcesses) {
             "120\ttrue\toptimal brain surgeon");
 }
 
+TEST_F(Identification, TrainsNetworksOnThroughTime) {
+  EXPECT_EQ(printed("local I = pl.identify\n"
+                    "local u = I.staircase{samples = 300, hold = 5, lower = -1, upper = 1, seed = 1}\n"
+                    "local y = pl.zeros(300)\n"
+                    "for k = 2, 300 do y[k] = 0.8 * y[k - 1] + 0.2 * math.tanh(2 * u[k - 1]) end\n"
+                    "local d = I.data{u = u, y = y, Ts = 1}\n"
+                    "local m = I.mlp(d, {regressors = 'y(k-1), u(k-1)', hidden = 3, direct = true, starts = 2,\n"
+                    "                    iterations = 5})\n"
+                    "local n = m:fit_free_run(d, {iterations = 30, horizons = {20, 0}})\n"
+                    "local function error_of(m) return I.metrics(y, m:simulate(d)).RMSE end\n"
+                    "print(error_of(n) < 0.5 * error_of(m), error_of(n) < 0.01)"),
+            "true\ttrue");
+}
+
+// A file named on the command line is the user's choice, wherever it lies; nothing else outside is read.
+TEST_F(Identification, ReadsTheFilesOfTheCommandLine) {
+  const std::string path = (outside() / "rig.csv").string();
+  write(path, "time,u,y\n0,1,2\n1,2,3\n2,3,4\n");
+  const std::string script = "local pl = require 'plantloop'; print(pl.identify.read(arg[1]).samples)";
+  EXPECT_EQ(run(script, {path}).output, "3\n");
+  EXPECT_EQ(run(script, {"../rig.csv"}).output, "3\n");
+  EXPECT_NE(run("require('plantloop').identify.read('" + path + "')", {"other.csv"})
+                .messages.find("it lies outside of the project"),
+            std::string::npos);
+}
+
 TEST_F(Identification, FindsOrdersAndDelays) {
   EXPECT_EQ(with_data(R"lua(
       local noisy = identify.data{u = u, y = y + identify.white_noise{samples = #y, deviation = 0.02, seed = 3}, Ts = 0.1}

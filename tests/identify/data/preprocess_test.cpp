@@ -105,6 +105,18 @@ TEST(Preprocess, GapsAreFilledByALineOrHeldOnlyUpToALength) {
   EXPECT_EQ(shorts(7, 0), 9);
 }
 
+TEST(Preprocess, PiecesCoverEverySampleOnceBehindTheirFirstOnes) {
+  Eigen::MatrixXd y(103, 1);
+  for (Eigen::Index k = 0; k < 103; ++k) y(k, 0) = static_cast<double>(k);
+  const DataSet data = make_data_set(Eigen::MatrixXd::Zero(103, 1), y, 1, {{"u", ""}}, {{"y", ""}});
+  double next = 3;
+  for (const Experiment& piece : in_pieces(data, 20, 3).experiments) {
+    EXPECT_GE(piece.samples(), 23);
+    for (Eigen::Index k = 3; k < piece.samples(); ++k) EXPECT_EQ(piece.y(k, 0), next++);
+  }
+  EXPECT_EQ(next, 103);
+}
+
 TEST(Excitation, ThePrbsHasTheCorrelationOfAMaximumLengthSequence) {
   const VectorXd u = prbs(7);
   ASSERT_EQ(u.size(), 127);

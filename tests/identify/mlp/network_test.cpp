@@ -30,7 +30,7 @@ Complex activated(Activation activation, Complex s) {
 // The network written anew on complex numbers, for the complex step (J. Lyness, C. Moler 1967).
 Eigen::VectorXcd complex_output(const Network& shape, const Eigen::VectorXcd& theta, const Eigen::VectorXcd& x) {
   Eigen::VectorXcd h = x;
-  Index end = theta.size();
+  Index end = theta.size() - shape.direct.size();
   for (const Layer& layer : shape.layers) {
     end -= layer.w.size();
     Eigen::VectorXcd next(layer.neurons());
@@ -41,37 +41,42 @@ Eigen::VectorXcd complex_output(const Network& shape, const Eigen::VectorXcd& th
     }
     h = next;
   }
+  for (Index o = 0; o < shape.direct.rows(); ++o) {
+    const Index row = theta.size() - shape.direct.size() + o * x.size();
+    for (Index k = 0; k < x.size(); ++k) h[o] += theta[row + k] * x[k];
+  }
   return h;
 }
 
 class EveryActivation : public ::testing::TestWithParam<Activation> {};
 
 TEST_P(EveryActivation, GivesExactDerivativesOfWeightsAndInputs) {
-  for (const std::vector<int>& hidden : {std::vector<int>{}, {4}, {5, 3}, {3, 4, 2}}) {
-    Network network = make_network(3, hidden, 2, GetParam());
-    Random random(5);
-    randomise(network, 0.8, random);
-    const VectorXd theta = network.theta();
-    VectorXd x(3), y(2), scratch(network.scratch_size()), by_theta(2 * theta.size()), by_x(6);
-    x << 0.3, -0.7, 1.1;
-    network.differentiate(x.data(), y.data(), by_theta.data(), by_x.data(), scratch.data());
-    VectorXd plain(2);
-    network.evaluate(x.data(), plain.data(), scratch.data());
-    EXPECT_EQ(plain, y);
-    const double h = 1e-30;
-    for (Index j = 0; j < theta.size(); ++j) {
-      Eigen::VectorXcd moved = theta.cast<Complex>();
-      moved[j] += Complex(0, h);
-      const VectorXd exact = complex_output(network, moved, x.cast<Complex>()).imag() / h;
-      for (Index o = 0; o < 2; ++o) EXPECT_NEAR(by_theta[o * theta.size() + j], exact[o], 1e-12);
+  for (const bool direct : {false, true})
+    for (const std::vector<int>& hidden : {std::vector<int>{}, {4}, {5, 3}, {3, 4, 2}}) {
+      Network network = make_network(3, hidden, 2, GetParam(), Activation::linear, direct);
+      Random random(5);
+      randomise(network, 0.8, random);
+      const VectorXd theta = network.theta();
+      VectorXd x(3), y(2), scratch(network.scratch_size()), by_theta(2 * theta.size()), by_x(6);
+      x << 0.3, -0.7, 1.1;
+      network.differentiate(x.data(), y.data(), by_theta.data(), by_x.data(), scratch.data());
+      VectorXd plain(2);
+      network.evaluate(x.data(), plain.data(), scratch.data());
+      EXPECT_EQ(plain, y);
+      const double h = 1e-30;
+      for (Index j = 0; j < theta.size(); ++j) {
+        Eigen::VectorXcd moved = theta.cast<Complex>();
+        moved[j] += Complex(0, h);
+        const VectorXd exact = complex_output(network, moved, x.cast<Complex>()).imag() / h;
+        for (Index o = 0; o < 2; ++o) EXPECT_NEAR(by_theta[o * theta.size() + j], exact[o], 1e-12);
+      }
+      for (Index k = 0; k < 3; ++k) {
+        Eigen::VectorXcd moved = x.cast<Complex>();
+        moved[k] += Complex(0, h);
+        const VectorXd exact = complex_output(network, theta.cast<Complex>(), moved).imag() / h;
+        for (Index o = 0; o < 2; ++o) EXPECT_NEAR(by_x[o * 3 + k], exact[o], 1e-12);
+      }
     }
-    for (Index k = 0; k < 3; ++k) {
-      Eigen::VectorXcd moved = x.cast<Complex>();
-      moved[k] += Complex(0, h);
-      const VectorXd exact = complex_output(network, theta.cast<Complex>(), moved).imag() / h;
-      for (Index o = 0; o < 2; ++o) EXPECT_NEAR(by_x[o * 3 + k], exact[o], 1e-12);
-    }
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Smooth, EveryActivation,
@@ -174,7 +179,22 @@ TEST(ModelFileErrors, AreInTheUsersWords) {
             "net.yaml:11:3: offsets must be finite and scales greater than 0");
 }
 
+TEST(ModelFile, KeepsDirectConnections) {
+  const DataSet data = first_order_data(60, 3, 71);
+  Network network = make_network(2, {3}, 1, Activation::tanh, Activation::linear, true);
+  Random random(72);
+  randomise(network, 0.7, random);
+  const NarxModel model = make_narx(std::make_shared<Mlp>(network, no_scaling(2), no_scaling(1)),
+                                    parse_regressors("y(k-1), u(k-1)", data), data);
+  const std::string text = to_yaml(model);
+  const NarxModel back = read_narx(read_model_file(text, "net.yaml"));
+  EXPECT_EQ(to_yaml(back), text);
+  EXPECT_EQ(free_run(back, data)[0], free_run(model, data)[0]);
+}
+
 TEST(NetworkErrors, AreInTheUsersWords) {
+  EXPECT_EQ(complaint([] { make_network(2, {3}, 1, Activation::tanh, Activation::tanh, true); }),
+            "direct connections need linear outputs, those of this network are tanh");
   EXPECT_EQ(complaint([] { find_activation("relu"); }),
             "there is no activation 'relu'; there are sigmoid, tanh, linear, gaussian, signum");
   EXPECT_EQ(complaint([] { make_network(2, {0}, 1, Activation::tanh); }),

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "identify/error.h"
+#include "identify/linear/regression_model.h"
 #include "identify/mlp/fit_mlp.h"
 #include "identify/mlp/problems.h"
 #include "tests/identify/mlp/fixture.h"
@@ -105,6 +107,68 @@ TEST(FitNarxMlp, TrainedForSimulationIsBetterWithMeasurementNoise) {
     noe += rms(free_run(fit_narx_mlp(data, regressors, {}, options).model, fresh)[0], fresh.experiments[0].y, 1);
   }
   EXPECT_LT(noe, 0.85 * narx);
+}
+
+// y(k) = 1.6 y(k-1) - 0.65 y(k-2) + 0.05 tanh(2 u(k-1)): slow, and linear but for its input.
+DataSet slow_data(int samples, std::uint64_t seed, double noise) {
+  Random random(seed);
+  MatrixXd u(samples, 1), y = MatrixXd::Zero(samples, 1);
+  for (Index k = 0; k < samples; ++k) {
+    u(k, 0) = k % 10 == 0 ? random.uniform(-2, 2) : u(k - 1, 0);
+    if (k > 1) y(k, 0) = 1.6 * y(k - 1, 0) - 0.65 * y(k - 2, 0) + 0.05 * std::tanh(2 * u(k - 1, 0));
+  }
+  for (double& each : y.reshaped()) each += noise * random.normal();
+  return make_data_set(u, y, 1, {{"u", ""}}, {{"y", ""}});
+}
+
+// From the linear model, over short pieces and then the whole record, few iterations find what random weights do not.
+TEST(FitNarxMlp, BesideALinearModelFollowsASlowProcess) {
+  const DataSet data = slow_data(500, 91, 0.02), fresh = slow_data(400, 92, 0);
+  const RegressorSet regressors = parse_regressors("y(k-1..2), u(k-1..2)", data);
+  MlpOptions options;
+  options.hidden = {3};
+  options.starts = 4;
+  options.refined = 2;
+  options.simulation = true;
+  options.direct = true;
+  options.one_step_iterations = 20;
+  options.training.iterations = 40;
+  options.training.decay = 1e-3;
+  options.horizons = {30, 0};
+  const NarxMlpFit fit = fit_narx_mlp(data, regressors, {}, options);
+  const RegressionModel linear = fit_regression(data, parse_regressors("1, y(k-1..2), u(k-1..2)", data));
+  const double error = rms(free_run(fit.model, fresh)[0], fresh.experiments[0].y, 2);
+  EXPECT_LT(error, 0.01);
+  EXPECT_LT(error, 0.2 * rms(free_run(linear, fresh)[0], fresh.experiments[0].y, 2));
+}
+
+// No neuron reaches the output at first: one iteration from there cannot be worse than least squares.
+TEST(FitMlp, WithDirectConnectionsIsNeverWorseThanTheLinearModel) {
+  const DataSet data = slow_data(300, 93, 0.05);
+  const Regression rows = make_regression(data, parse_regressors("y(k-1..2), u(k-1..2)", data));
+  MatrixXd x(rows.X.rows(), 5);
+  x << rows.X, VectorXd::Ones(rows.X.rows());
+  const VectorXd theta = (x.transpose() * x).ldlt().solve(x.transpose() * rows.Y);
+  MlpOptions options;
+  options.hidden = {4};
+  options.starts = 1;
+  options.direct = true;
+  options.training.iterations = 1;
+  EXPECT_LE(rms(evaluate_rows(*fit_mlp(rows.X, rows.Y, options).model, rows.X), rows.Y),
+            rms(x * theta, rows.Y) * (1 + 1e-9));
+}
+
+TEST(FitNarxMlpErrors, AreInTheUsersWords) {
+  const DataSet data = first_order_data(100, 4, 94);
+  MlpOptions options;
+  options.simulation = true;
+  options.horizons = {-3};
+  try {
+    fit_narx_mlp(data, parse_regressors("y(k-1), u(k-1)", data), {}, options);
+    FAIL();
+  } catch (const IdentifyError& error) {
+    EXPECT_STREQ(error.what(), "the horizons of the free run are numbers of samples; 0 stands for the whole record");
+  }
 }
 
 TEST(RefineNarxMlp, StartsFromTheGivenNetworkAndImprovesIt) {
