@@ -249,6 +249,9 @@ struct Crossing {
   Array function;  // crosses zero at the event
   Direction direction;
   bool of_slope = false;  // it is the function's derivative by time that crosses zero
+  // Where a kernel's output is not smooth, which the kernel tells by itself: a step ends there, and nothing else
+  // happens; it is not among the events that a run records.
+  bool of_kernel = false;
 };
 inline Crossing crossing(const Array& function, Direction direction = Direction::either) {
   return {function, direction};

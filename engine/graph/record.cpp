@@ -70,7 +70,7 @@ class RecordingInstance final : public StaticInstance {
   struct Event {
     Array function;
     Direction direction;
-    bool of_slope;
+    bool of_slope, of_kernel;
     std::vector<Assignment> assignments;
     std::uint32_t site;
   };
@@ -1013,7 +1013,8 @@ void RecordingInstance::write(Written what, int index, const Array& value) {
 }
 
 int RecordingInstance::event(const Crossing& crossing) {
-  events_.push_back({crossing.function, crossing.direction, crossing.of_slope, {}, recording_.recorder().site});
+  events_.push_back(
+      {crossing.function, crossing.direction, crossing.of_slope, crossing.of_kernel, {}, recording_.recorder().site});
   return static_cast<int>(events_.size() - 1);
 }
 
@@ -1036,6 +1037,7 @@ void RecordingInstance::finish() {
       jump.function = event.function[i];
       jump.direction = event.direction == Direction::rising ? 1 : event.direction == Direction::falling ? -1 : 0;
       jump.of_slope = event.of_slope;
+      jump.of_kernel = event.of_kernel;
       jump.rate = recording_.rate_of(block_->rate);
       jump.activation = recording_.recorder().activation;
       for (const Assignment& a : event.assignments) {

@@ -563,6 +563,7 @@ class Compiler {
       jump.site = record_.jumps[j].site;
       jump.first_value = first_value;
       jump.triggers = record_.jumps[j].triggers;
+      jump.of_kernel = record_.jumps[j].of_kernel;
       jump.enabled = enabled_[j];
       for (const auto& assignment : record_.jumps[j].assignments) {
         jump.targets.push_back(

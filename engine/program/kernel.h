@@ -15,10 +15,17 @@ namespace plantloop {
 // Samples of a signal over time that a kernel keeps, in order of time; an event gives two samples of equal time, left
 // first. Recording doubles the room between steps, so that stepping does not allocate.
 struct History {
-  std::vector<double> time;
-  std::vector<double> value;  // `width` values a sample
-  std::vector<double> slope;  // their derivatives, where known, else NaN
-  int width = 1;
+  std::vector<double> time;  // s
+  std::vector<double> value;
+  std::vector<double> order;  // of each sample: the lowest derivative that jumps there, or one of the two below
+  static constexpr double inside_step = 1000, end_of_step = 999;
+};
+
+// An instant (s) at which a signal is not smooth, and the lowest of its derivatives that jumps there; 0: its value.
+struct Break {
+  double time = std::numeric_limits<double>::infinity();
+  int order = 0;
+  static constexpr int smooth = 100;  // as an order: nothing jumps
 };
 
 // What a kernel sees of a run at one instant.
@@ -30,6 +37,8 @@ struct KernelCall {
   double* scratch = nullptr;   // scratch_size() doubles without meaning between calls
   History* history = nullptr;  // histories() of them; evaluate must not change them
   bool left = false;           // the values just before an event are wanted
+  bool inside = false;         // advance: at an instant inside an accepted step
+  int order = Break::smooth;   // advance: the lowest derivative of a signal that may jump here, as far as it matters
   bool* end = nullptr;         // advance may set it: the run ends here, as if this were its stop time
 };
 
@@ -63,12 +72,13 @@ class Kernel {
     (void)in;
     return 1e300;
   }
-  // The next instant in s at which what `evaluate` gives jumps; the solver stops there, and until then evaluates
-  // throughout what holds before. `advance` at that instant, without `left`, goes over to what holds from then on.
-  // `call.in` are the inputs of `advance`. Infinity: none.
-  virtual double next_jump(const KernelCall& call) const {
+  // The next instant at which what `evaluate` gives is not smooth; the solver stops there. Until then a call with
+  // `left`, as all in minor steps are, gives what holds before, also a little beyond; a call without gives what holds
+  // from there on. `advance` at that instant, without `left`, goes over to it. `call.in` are the inputs of `advance`.
+  // A kernel that knows such instants only when they have come tells the time of the call.
+  virtual Break next_break(const KernelCall& call) const {
     (void)call;
-    return std::numeric_limits<double>::infinity();
+    return {};
   }
 };
 

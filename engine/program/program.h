@@ -65,6 +65,7 @@ struct Program {
     std::vector<Target> targets;
     RateIndex triggers = 0;       // the rate that has a hit when it fires
     SlotIndex enabled = no_gate;  // of a trigger: it counts only where this is not 0 at the event
+    bool of_kernel = false;       // a kernel's output is not smooth there, and nothing else happens
   };
   std::vector<Jump> jumps;
   struct Schedule {

@@ -82,8 +82,9 @@ struct RecordedJump {
   std::string name;  // "h.reset", "x.upper"
   std::uint32_t site = 0;
   Value function;
-  int direction = 0;      // 1 rising, -1 falling, 0 either
-  bool of_slope = false;  // it fires where the function's derivative by time crosses zero
+  int direction = 0;       // 1 rising, -1 falling, 0 either
+  bool of_slope = false;   // it fires where the function's derivative by time crosses zero
+  bool of_kernel = false;  // a kernel's output is not smooth there, and nothing else happens
   RateIndex rate = 0;
   struct Assignment {
     bool discrete;

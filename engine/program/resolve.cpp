@@ -280,6 +280,9 @@ class Resolver {
     Mask mask = 0;
     std::vector<Value> one;
     for (const auto member : loop.members) {
+      // A kernel has a past of its own.
+      const RecordedNode& node = record_.nodes[member];
+      if (node.op == Op::kernel) mask |= node.rate != 0 ? rate_bit(node.rate) : continuous_bit;
       operands_of(record_, member, initial_, one);
       for (const Value v : one) {
         if (!v.is_known() && status_[v.id()] == Status::done) mask |= graph_.mask_of(of(v));

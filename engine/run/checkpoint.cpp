@@ -2,6 +2,8 @@
 
 #include "engine/run/checkpoint.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,7 +16,7 @@ namespace plantloop {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 // Numbers that are no JSON numbers are texts.
 Json in_json(double v) {
@@ -162,8 +164,7 @@ std::vector<std::string> extra_in(const Checkpoint& c, const Program& program) {
 std::string to_json(const Checkpoint& c) {
   Json histories = Json::array();
   for (const History& h : c.histories)
-    histories.push_back(
-        {{"width", h.width}, {"time", in_json(h.time)}, {"value", in_json(h.value)}, {"slope", in_json(h.slope)}});
+    histories.push_back({{"time", in_json(h.time)}, {"value", in_json(h.value)}, {"order", in_json(h.order)}});
   std::vector<int> signs(c.signs.begin(), c.signs.end());
   const Json json = {{"plantloop_checkpoint", format_version},
                      {"start", in_json(c.start)},
@@ -195,7 +196,8 @@ CheckpointResult checkpoint_from_json(std::string_view text) {
   }
   try {
     if (json.at("plantloop_checkpoint").get<int>() != format_version) {
-      result.error = "it was written by another version: its format is not 1";
+      result.error = fmt::format("it was written by another version: its format is {}, this one reads {}",
+                                 json.at("plantloop_checkpoint").get<int>(), format_version);
       return result;
     }
     Checkpoint& c = result.checkpoint;
@@ -209,10 +211,9 @@ CheckpointResult checkpoint_from_json(std::string_view text) {
     c.loop_values = numbers(json.at("loops"));
     for (const Json& h : json.at("histories")) {
       History history;
-      history.width = h.at("width").get<int>();
       history.time = numbers(h.at("time"));
       history.value = numbers(h.at("value"));
-      history.slope = numbers(h.at("slope"));
+      history.order = numbers(h.at("order"));
       c.histories.push_back(std::move(history));
     }
     c.next_hit = json.at("next_hit").get<std::vector<std::int64_t>>();

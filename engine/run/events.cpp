@@ -64,6 +64,7 @@ bool Events::crossing_between(double before, double after) {
       const double at = found->time;
       before_event_ = found->before;
       fired_.assign(found->fired.begin(), found->fired.end());
+      if (step_again(before, at)) return true;
       rows_.log_between(before, at);
       if (!kernels_.none()) kernels_.through(before, at);
       run_.put_states_of(at);
@@ -80,6 +81,19 @@ bool Events::crossing_between(double before, double after) {
     from = to;
   }
   return false;
+}
+
+// Beyond the instant at which a kernel's output is not smooth the step used what held before, so that its dense output
+// is bent. The step is taken again, up to there.
+bool Events::step_again(double before, double at) {
+  if (!only_kernels_fired() || retried_at_ == before) return false;
+  if (at - before < 1e3 * event_tolerance(at, options_.event_tol)) return false;
+  retried_at_ = before;
+  wanted_stop_ = at;
+  run_.put_states_of(before);
+  run_.t = before;
+  run_.restart = true;
+  return true;
 }
 
 // A function that was zero at the start of a step has no sign to change. When the end of the step shows another mode
@@ -179,8 +193,17 @@ bool Events::is_frozen(std::size_t mode) const {
 }
 
 bool Events::a_jump_fired() const {
-  return std::any_of(fired_.begin(), fired_.end(),
-                     [this](int g) { return program_.guards[static_cast<std::size_t>(g)].is_jump; });
+  return std::any_of(fired_.begin(), fired_.end(), [this](int g) {
+    const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
+    return guard.is_jump && !program_.jumps[guard.index].of_kernel;
+  });
+}
+
+bool Events::only_kernels_fired() const {
+  return !fired_.empty() && std::all_of(fired_.begin(), fired_.end(), [this](int g) {
+    const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
+    return guard.is_jump && program_.jumps[guard.index].of_kernel;
+  });
 }
 
 std::string Events::names_of_fired() const {
@@ -203,12 +226,17 @@ void Events::event(bool located) {
     rows_.log_left_of_event(run_.t, before_event_, a_jump_fired());
   }
   run_.clockwork->no_hits();
+  // Where only a kernel's output is not smooth, the kernel knows how much.
+  const bool of_kernels = located && only_kernels_fired();
+  const int came_out = of_kernels ? kernels_.broken_by(run_.t) : 0;
+  const std::int64_t mode_changes = run_.statistics.mode_changes;
   take_holds(before_event_);
   const Mask bits = settle_events(located ? fired_ : std::vector<int>{}, event_bit);
   run_.triggered = bits & ~event_bit;
   run_.accept_loops();
   rows_.log_right(bits);
-  if (!kernels_.none()) kernels_.continuous(false);
+  const bool kinks = !of_kernels || came_out == 0 || run_.restart || run_.statistics.mode_changes != mode_changes;
+  kernels_.after_event(kinks ? 1 : came_out + 1);
   run_.restart = true;
 }
 
@@ -286,7 +314,7 @@ bool Events::jump(const std::vector<int>& fired) {
     const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
     if (!guard.is_jump || !is_open(guard.gate)) continue;
     const Program::Jump& jump = program_.jumps[guard.index];
-    if (jump.triggers != 0) continue;
+    if (jump.triggers != 0 || jump.of_kernel) continue;
     rows_.recording().events[jump.name].push_back(run_.t);
     for (std::size_t i = 0; i < jump.targets.size(); ++i) {
       changes.emplace_back(jump.targets[i].slot, frame_.arena[program_.jump_list.roots[jump.first_value + i]]);

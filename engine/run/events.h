@@ -20,6 +20,8 @@ class Events {
   Events(RunState& run, KernelAdvance& kernels, Rows& rows);
 
   bool none() const { return program_.guards.empty(); }
+  // Where (s) the next step should end; not after the run's time: nowhere.
+  double wanted_stop() const { return wanted_stop_; }
   // Handles the first event on (before, after], if there is one: true, and the run's time is that of the event. A long
   // step is looked at in parts as short as the gaps between rows, so that a function that changes its sign twice is
   // seen.
@@ -41,6 +43,7 @@ class Events {
 
  private:
   void guards_at(double t, double* values);
+  bool step_again(double before, double at);
   bool in_wrong_mode(double before, double after);
   void wake();
   bool is_muted(std::size_t guard) const { return quiet_until_[guard] > run_.t; }
@@ -48,6 +51,7 @@ class Events {
   void watch_for_zeno(double at);
   void end_zeno(int guard, double at);
   bool a_jump_fired() const;
+  bool only_kernels_fired() const;
   std::string names_of_fired() const;
   std::string mode_name(std::size_t mode) const;
   void event(bool located);
@@ -70,6 +74,7 @@ class Events {
   std::vector<std::uint8_t> was_open_;  // the gates of the guards when their signs were remembered
   std::vector<int> fired_;
   double before_event_ = 0;  // s; none of fired_ has crossed there
+  double wanted_stop_ = -std::numeric_limits<double>::infinity();
   double retried_at_ = std::numeric_limits<double>::quiet_NaN();
   // Per guard: its last event (s), how many came close together before it, and until when (s) it is not looked at.
   std::vector<double> last_event_, quiet_until_;

@@ -3,37 +3,64 @@
 #include "engine/run/kernel_advance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace plantloop {
 
-void KernelAdvance::continuous(bool left) {
+namespace {
+
+// A polynomial through so many parts of a step is as good as the solver's dense output.
+int parts_of_steps(int solver_order) { return std::max(6, solver_order); }
+
+}  // namespace
+
+// The points are those of Chebyshev and Lobatto, between which a polynomial does not swing.
+KernelAdvance::KernelAdvance(RunState& run) : run_(run), frame_(run.frame), program_(run.program) {
+  if (frame_.state_count() > 0) {
+    for (const SolverInfo& solver : solvers()) {
+      if (solver.name == run.options.solver) solver_order_ = solver.order;
+    }
+  }
+  const int parts = parts_of_steps(solver_order_);
+  for (int i = 1; i < parts && program_.history_count > 0; ++i) {
+    const double swing = std::sin(std::numbers::pi * i / (2.0 * parts));
+    inside_.push_back(swing * swing);
+  }
+}
+
+void KernelAdvance::continuous(bool left, int order) {
   if (program_.kernels.empty()) return;
   KernelFrame kernels = frame_.kernel_frame(left);
   frame_.arena[program_.time] = run_.t;
   execute(program_.advance_list, frame_.arena, &kernels);
   for (const Program::KernelState& kernel : program_.kernels) {
-    if (kernel.continuous && is_on(kernel)) advance(kernel, left);
+    if (!kernel.continuous || !is_on(kernel)) continue;
+    KernelCall call = call_of(kernel);
+    call.left = left;
+    call.order = order;
+    advance(kernel, call);
   }
 }
 
 void KernelAdvance::through(double before, double after) {
-  constexpr int parts = 4;
   const double now = run_.t;
-  if (program_.history_count > 0) {
-    for (int i = 1; i < parts; ++i) {
-      run_.t = before + (after - before) * i / parts;
-      run_.put_states_of(run_.t);
-      KernelFrame kernels = frame_.kernel_frame(true);
-      execute(program_.advance_list, frame_.arena, &kernels);
-      for (const Program::KernelState& kernel : program_.kernels) {
-        if (kernel.continuous && is_on(kernel) && kernel.kernel->histories() > 0) advance(kernel, true);
-      }
+  for (const double part : inside_) {
+    run_.t = before + (after - before) * part;
+    run_.put_states_of(run_.t);
+    KernelFrame kernels = frame_.kernel_frame(true);
+    execute(program_.advance_list, frame_.arena, &kernels);
+    for (const Program::KernelState& kernel : program_.kernels) {
+      if (!kernel.continuous || !is_on(kernel) || kernel.kernel->histories() == 0) continue;
+      KernelCall call = call_of(kernel);
+      call.left = call.inside = true;
+      advance(kernel, call);
     }
-    run_.put_states_of(after);
   }
+  if (!inside_.empty()) run_.put_states_of(after);
   run_.t = after;
-  continuous(true);
+  before_event();
   run_.t = now;
 }
 
@@ -49,26 +76,29 @@ KernelCall KernelAdvance::call_of(const Program::KernelState& kernel) {
   return call;
 }
 
-void KernelAdvance::advance(const Program::KernelState& kernel, bool left) {
-  KernelCall call = call_of(kernel);
-  call.left = left;
+void KernelAdvance::advance(const Program::KernelState& kernel, KernelCall call) {
   bool end = false;
   call.end = &end;
   kernel.kernel->advance(call);
   if (end && !run_.ended()) run_.statistics.ended_by = program_.sites[kernel.site].path;
 }
 
-double KernelAdvance::next_jump() {
+double KernelAdvance::next_break() {
   double next = std::numeric_limits<double>::infinity();
   for (const Program::KernelState& kernel : program_.kernels) {
-    if (kernel.continuous && is_on(kernel)) next = std::min(next, kernel.kernel->next_jump(call_of(kernel)));
+    if (kernel.continuous && is_on(kernel)) next = std::min(next, kernel.kernel->next_break(call_of(kernel)).time);
   }
   return next;
 }
 
-bool KernelAdvance::jumps_by(double t) {
-  const double jump = next_jump();
-  return jump <= t || is_same_instant(jump, t);
+int KernelAdvance::broken_by(double t) {
+  int order = Break::smooth;
+  for (const Program::KernelState& kernel : program_.kernels) {
+    if (!kernel.continuous || !is_on(kernel)) continue;
+    const Break next = kernel.kernel->next_break(call_of(kernel));
+    if (next.time <= t || is_same_instant(next.time, t)) order = std::min(order, next.order);
+  }
+  return order;
 }
 
 double KernelAdvance::longest_step() {
@@ -83,7 +113,7 @@ double KernelAdvance::longest_step() {
 
 void KernelAdvance::discrete(Mask bits) {
   for (const Program::KernelState& kernel : program_.kernels) {
-    if (!kernel.continuous && is_on(kernel) && (kernel.mask & bits) != 0) advance(kernel, false);
+    if (!kernel.continuous && is_on(kernel) && (kernel.mask & bits) != 0) advance(kernel, call_of(kernel));
   }
 }
 

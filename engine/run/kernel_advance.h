@@ -2,26 +2,31 @@
 
 #pragma once
 
+#include <vector>
+
 #include "engine/run/run_state.h"
 
 namespace plantloop {
 
 class KernelAdvance {
  public:
-  explicit KernelAdvance(RunState& run) : run_(run), frame_(run.frame), program_(run.program) {}
+  explicit KernelAdvance(RunState& run);
 
   bool none() const { return program_.kernels.empty(); }
-  // The continuous ones, by the values that hold at the run's time: just before an event there (left) or after it.
-  void continuous(bool left);
+  // The continuous ones, by the values that hold at the run's time: just before an event there, or after it. Then
+  // `order` is the lowest derivative of a signal that may jump there.
+  void before_event() { continuous(true, Break::smooth); }
+  void after_event(int order) { continuous(false, order <= solver_order_ ? order : Break::smooth); }
   // The accepted step from `before` to `after`, or the part of it until an event: some points inside it for kernels
   // with a history, which interpolate between them, then its end.
   void through(double before, double after);
   // Those of rates that have one of these bits.
   void discrete(Mask bits);
 
-  // The next instant (s) at which a continuous kernel's output jumps.
-  double next_jump();
-  bool jumps_by(double t);
+  // The next instant (s) at which the output of a continuous kernel is not smooth, and the lowest derivative that jumps
+  // by time t.
+  double next_break();
+  int broken_by(double t);
   // The longest step (s) that continuous kernels allow from now on.
   double longest_step();
 
@@ -31,11 +36,14 @@ class KernelAdvance {
     return kernel.gate == no_gate || frame_.arena[kernel.gate] != 0;
   }
   KernelCall call_of(const Program::KernelState& kernel);
-  void advance(const Program::KernelState& kernel, bool left);
+  void continuous(bool left, int order);
+  void advance(const Program::KernelState& kernel, KernelCall call);
 
   RunState& run_;
   Frame& frame_;
   const Program& program_;
+  int solver_order_ = 0;        // jumps of higher derivatives do not matter to the solver
+  std::vector<double> inside_;  // where in a step kernels with histories are advanced, as parts of it
 };
 
 }  // namespace plantloop

@@ -124,7 +124,7 @@ class Runner {
     events_.remember_guards();
     rows_.log_right(bits);
     update(bits);
-    if (!kernels_.none()) kernels_.continuous(false);
+    kernels_.after_event(1);
     run_.restart = true;
     save_if_due();
   }
@@ -198,12 +198,13 @@ class Runner {
 
   // --- between stops ----------------------------------------------------------------------------------------------
 
-  // The next hit, edge or jump of a kernel, or the end; what differs by rounding only is one stop.
+  // The next hit, edge or break of a kernel, or the end; what differs by rounding only is one stop.
   double next_stop() {
     double stop = options_.stop;
     if (const double next = run_.clockwork->next(); next < stop && !is_same_instant(next, stop)) stop = next;
     if (const double saved = next_save(); saved < stop && !is_same_instant(saved, stop)) stop = saved;
-    if (const double jump = kernels_.next_jump(); jump < stop && !is_same_instant(jump, stop)) stop = jump;
+    if (const double wanted = events_.wanted_stop(); wanted > run_.t && wanted < stop) stop = wanted;
+    if (const double next = kernels_.next_break(); next < stop && !is_same_instant(next, stop)) stop = next;
     return stop;
   }
 
@@ -346,10 +347,9 @@ class Runner {
     Mask bits = run_.clockwork->advance(run_.t);
     if (bits == 0 && has_continuous_ && run_.t >= options_.stop && !save_is_due())
       return;  // the last row stands already
-    if (!kernels_.none() && kernels_.jumps_by(run_.t)) {
-      kernels_.continuous(false);
-      run_.restart = true;
-    }
+    const int came_out = kernels_.broken_by(run_.t);
+    if (came_out == 0) run_.restart = true;
+    const std::int64_t mode_changes = run_.statistics.mode_changes;
     events_.release();
     bits = events_.settle_events({}, bits);
     for (std::size_t i = 0; i < held_before_.size() && !run_.restart; ++i) {
@@ -358,7 +358,9 @@ class Runner {
     run_.accept_loops();
     rows_.log_right(bits);
     update(bits);
-    if (!kernels_.none()) kernels_.continuous(false);
+    const bool kinks =
+        run_.restart || (bits & event_bit) != 0 || run_.statistics.mode_changes != mode_changes || came_out == 0;
+    kernels_.after_event(kinks ? 1 : came_out + 1);
     run_.statistics.hits += static_cast<std::int64_t>(run_.clockwork->hit_rates().size());
     if (frame_.state_count() > 0)
       ++(run_.restart ? run_.statistics.solver.cold_restarts : run_.statistics.solver.hot_restarts);

@@ -27,8 +27,9 @@ const std::vector<Layer>& layers() {
       {"learned", "learned", {"engine/base", "engine/block.h", "engine/program/kernel.h", "identify"}},
       {"blocks",
        "blocks",
-       {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_design.h", "engine/block_parts.h",
-        "engine/block_random.h", "engine/program/kernel.h", "learned", "identify"}},  // learned models are blocks too
+       {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_delay.h", "engine/block_design.h",
+        "engine/block_parts.h", "engine/block_random.h", "engine/program/kernel.h", "learned",
+        "identify"}},  // learned models are blocks too
       {"render", "render", {"engine/base"}},
       {"app/figures", "figures", {"engine", "render"}},  // shared by the commands and the Lua host
       {"app/drawing", "drawing", {"engine", "render"}},  // a library, so that tests can look at drawings
