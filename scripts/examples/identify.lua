@@ -224,6 +224,9 @@ local function identify_output(output)
     end
     return text
   end
+  local function named(ny, nu, d)
+    return inputs == 0 and ("%d of y"):format(ny) or ("%d of y, %d of u, delay %d"):format(ny, nu, d)
+  end
   -- The structures that did best so far, for the costly ones to begin with.
   local structures = {}
   local function note(candidate, ny, nu, d)
@@ -249,11 +252,12 @@ local function identify_output(output)
   -- Polynomial NARX: terms by orthogonal least squares, each size fitted to the free run.
   local tried = {}
   local function try_polynomial(ny, nu, d, degree)
+    if inputs == 0 then nu, d = 0, 0 end
     local key = table.concat({ny, nu, d, degree}, " ")
     local signals = ny + inputs * nu
-    if ny < 1 or nu < 1 or tried[key] or signals > (degree == 2 and 20 or 9) then return end
+    if ny < 1 or nu < math.min(1, inputs) or tried[key] or signals > (degree == 2 and 20 or 9) then return end
     tried[key] = true
-    local candidate = try("polynomial NARX", ("polynomial NARX, degree %d, %d of y, %d of u, delay %d"):format(degree, ny, nu, d),
+    local candidate = try("polynomial NARX", ("polynomial NARX, degree %d, %s"):format(degree, named(ny, nu, d)),
         rows * 1e-4, function(x)
           return identify.polynomial(x, {regressors = lags(ny, nu, d), degree = degree, most_terms = 30, iterations = 30})
         end, function(x, model) return model:fit_free_run(x, 60) end)
@@ -280,7 +284,7 @@ local function identify_output(output)
   -- The weight decay is that of a priori weights of about 1 and errors as those of the best polynomial.
   local function try_network(s, neurons, decay)
     local work = rows * (2 + 1e-3 * (neurons * (s.ny + inputs * s.nu + 2)) ^ 2) * 4e-4
-    local candidate = try("network", ("network of %d neurons, %d of y, %d of u, delay %d, decay %.1g"):format(neurons, s.ny, s.nu, s.d, decay), work,
+    local candidate = try("network", ("network of %d neurons, %s, decay %.1g"):format(neurons, named(s.ny, s.nu, s.d), decay), work,
       function(x)
         return identify.mlp(x, {regressors = lags(s.ny, s.nu, s.d), hidden = neurons, direct = true, simulation = true, starts = 6, refined = 2,
                                 one_step_iterations = 20, iterations = 60, horizons = {20 + 4 * (s.ny + s.nu), 0}, decay = decay, seed = seed})
@@ -327,7 +331,7 @@ local function identify_output(output)
 
   -- One-step models: Gaussian processes, radial functions, local models.
   local function one_step(family, what, work, s, fit)
-    try(family, ("%s, %d of y, %d of u, delay %d"):format(what, s.ny, s.nu, s.d), work, function(x) return fit(x, lags(s.ny, s.nu, s.d)) end)
+    try(family, ("%s, %s"):format(what, named(s.ny, s.nu, s.d)), work, function(x) return fit(x, lags(s.ny, s.nu, s.d)) end)
   end
   for i, s in ipairs(best_structures(2)) do
     local points = math.min(math.floor(250 * math.max(1, math.min(effort, 4))), rows)
@@ -349,8 +353,40 @@ local function identify_output(output)
     end
   end
 
+  -- A model must bear inputs that go somewhat beyond those it was made from, as its user's may: by a fifth.
+  local means = {}
+  for i = 1, inputs do means[i] = pl.mean(data:column(all.inputs[i])) end
+  local lowest, greatest = pl.min(data.y), pl.max(data.y)
+  local stressed = {}
+  for i, part in ipairs(parts) do
+    local columns, rows = {}, {}
+    for j = 1, inputs do columns[j] = (part:column(all.inputs[j]) - means[j]) * 1.2 + means[j] end
+    for k = 1, inputs > 0 and part.samples or 0 do
+      rows[k] = {}
+      for j = 1, inputs do rows[k][j] = columns[j][k] end
+    end
+    stressed[i] = inputs > 0 and identify.data{u = pl.matrix(rows), y = part.y, Ts = part.Ts, inputs = all.inputs, outputs = {label}} or part
+  end
+  local function bears(model)
+    for _, part in ipairs(stressed) do
+      local ok, y = pcall(function() return model:simulate(part) end)
+      local room = 2 * (greatest - lowest)
+      if not ok or not (pl.min(y) > lowest - room and pl.max(y) < greatest + room) then return false end
+    end
+    return true
+  end
   table.sort(candidates, function(a, b) return a.held < b.held end)
-  local best = candidates[1]
+  local best
+  for _, c in ipairs(candidates) do
+    if not best and c.held < math.huge then
+      if bears(c.models[1]) then
+        best = c
+      else
+        print(("\n  %s is not taken: it runs away when its inputs are 20 %% larger"):format(c.what))
+      end
+    end
+  end
+  best = best or candidates[1]
   if not best or best.held == math.huge then
     print "  no structure gives a model that runs freely"
     return

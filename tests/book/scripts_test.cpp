@@ -92,6 +92,25 @@ INSTANTIATE_TEST_SUITE_P(
                     "figure_2_15", "figure_2_16", "figure_2_17", "figure_2_18", "figure_2_19", "figure_2_20",
                     "figure_2_21", "figure_2_22", "figure_2_23", "figure_2_24"},
                    "least squares                   -1.636142   0.685165   0.032362   0.012466"},
+        Experiment{"static_networks",
+                   {"figure_1_8", "figure_1_9", "figure_1_10", "figure_1_11", "figure_1_12", "figure_1_13",
+                    "figure_1_18", "figure_1_19", "figure_1_20", "figure_1_21", "figure_1_23"},
+                   "equation (1.6), 1 neuron: RMSE 26.89\nequation (1.6), 2 neurons: RMSE 18.40\n"
+                   "equation (1.6), 3 neurons: RMSE 13.68\n"},
+        Experiment{
+            "first_order_network",
+            {"figure_3_1", "figure_3_8", "figure_3_9", "figure_3_10", "figure_3_11", "figure_3_12", "figure_3_13",
+             "figure_3_14", "figure_3_15", "figure_3_16", "figure_3_17", "figure_3_18", "figure_3_19"},
+            "no noise, 5 neurons: one step below 0.015, free run below 0.03\n"
+            "noise 0.02, 5 neurons: training between 0.0185 and 0.024; the residuals are white\n"
+            "the book's network: one step 0.022 within 0.004, free run 0.038 within 0.008\n"},
+        Experiment{"local_models",
+                   {"figure_5_6", "figure_5_7", "figure_5_11", "figure_5_12", "figure_5_13"},
+                   "global estimation fits better than local: yes\nthe input alone schedules worse: yes\n"},
+        Experiment{"gaussian_process",
+                   {"figure_7_1", "figure_7_2", "figure_7_3", "figure_7_5", "figure_7_6", "figure_7_7", "figure_7_8",
+                    "figure_7_9", "figure_7_10", "figure_7_11"},
+                   "AE below 0.06, SE below 0.008, LD from -2.2 to -0.9: yes\n"},
         Experiment{"gain_scheduling", {"figure_6_8", "figure_6_8_signals"}, "whatever the height of the step"}),
     [](const auto& instance) { return instance.param.name; });
 
