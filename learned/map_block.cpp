@@ -29,7 +29,7 @@ std::shared_ptr<const identify::LoadedModel> model_of(const Text& file) {
   const std::string path = file.value();
   if (path.empty()) return nullptr;
   auto model = identify::load_model(path);
-  return model->error.empty() ? model : nullptr;
+  return model->error.empty() && model->map ? model : nullptr;
 }
 
 bool report_model(Checking& checking, const Text& file, std::string_view type) {
@@ -38,6 +38,10 @@ bool report_model(Checking& checking, const Text& file, std::string_view type) {
   const auto model = identify::load_model(path);
   if (!model->error.empty()) {
     checking.problem(file, model->error);
+    return false;
+  }
+  if (model->linear) {
+    checking.problem(file, fmt::format("'{}' holds a linear model; the block linear_model runs it", path));
     return false;
   }
   if (type.empty() || model->map->type() == type) return true;

@@ -32,13 +32,21 @@ MatrixXd stacked(const DataSet& data, MatrixXd Experiment::*member, std::size_t 
   return all;
 }
 
+// Beyond these squares overflow, or vanish, and no estimate means anything.
+constexpr double largest_value = 1e150, smallest_value = 1e-150;
+
 void check_values(const MatrixXd& values, const std::vector<Channel>& channels, const Experiment& e) {
   for (Index c = 0; c < values.cols(); ++c) {
+    double greatest = 0;
     for (Index k = 0; k < values.rows(); ++k) {
       if (std::isinf(values(k, c))) {
         fail("'{}' is infinite at sample {} of experiment '{}'", channels[static_cast<std::size_t>(c)].name, k, e.name);
       }
+      if (std::fabs(values(k, c)) > greatest) greatest = std::fabs(values(k, c));
     }
+    if (greatest > largest_value || (greatest > 0 && greatest < smallest_value))
+      fail("'{}' has values of about {:.0e} in experiment '{}', whose squares cannot be computed; take another unit",
+           channels[static_cast<std::size_t>(c)].name, greatest, e.name);
   }
 }
 

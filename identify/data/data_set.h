@@ -39,8 +39,8 @@ struct DataSet {
   Eigen::MatrixXd all_y() const;
 };
 
-// Names, sizes and sampling time fit together, there is at least one output and one sample, no value is infinite and
-// no name occurs twice. Raises IdentifyError. Every function that takes a DataSet from outside calls it.
+// Names (each once), sizes and sampling time fit, there are an output and a sample; the greatest value of a channel is
+// 0 or from 1e-150 to 1e150. Raises IdentifyError. Every function that takes a DataSet from outside calls it.
 void check(const DataSet& data);
 // Raises IdentifyError with the place of the first missing value; `method` needs all of them.
 void refuse_missing(const DataSet& data, std::string_view method);

@@ -26,7 +26,7 @@ Propagator::Propagator(const GaussianProcess& model, Propagation method) : model
   const MatrixXd none = MatrixXd::Zero(model.inputs(), model.inputs());
   if (!model.covariance().moments(model.hyperparameters().theta, model.x().topRows(1), mu, none, moments))
     throw IdentifyError(
-        fmt::format("moment matching has a closed form for se_ard and linear only, not for '{}'; "
+        fmt::format("moment matching has a closed form for se_ard, linear and se_ard + linear only, not for '{}'; "
                     "first_order works with every covariance",
                     model.covariance().name()));
   spread_ = model.factor();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "identify/data/undetermined.h"
 #include "identify/error.h"
 
 namespace plantloop::identify {
@@ -68,6 +69,7 @@ PolynomialModel begin_model(const LinearTask& task) {
   model.u0 = task.u0;
   model.y0 = task.y0;
   model.fit.data = task.hash;
+  model.fit.warnings = undetermined(task.data);
   return model;
 }
 
@@ -87,7 +89,7 @@ PolynomialModel fit_arx(const LinearTask& task, const LinearOptions& options) {
   model.fit.reached = fit.sse / static_cast<double>(rows.y.size());
   model.fit.stopped = "solved directly";
   model.fit.options = options_of(options);
-  model.fit.warnings = fit.warnings;
+  model.fit.warnings.insert(model.fit.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (rows.left_out > 0) {
     model.fit.warnings.push_back(fmt::format("{} rows that touch missing values are left out", rows.left_out));
   }

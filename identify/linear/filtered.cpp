@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/linear/arx.h"
 #include "identify/linear/filter.h"
@@ -129,7 +130,7 @@ PolynomialModel fit_instrumental(const DataSet& data, const Orders& orders, cons
   model.fit.method = "instrumental variables, four steps";
   model.fit.reached = e.squaredNorm() / static_cast<double>(e.size());
   model.fit.stopped = "solved directly";
-  model.fit.warnings.clear();
+  model.fit.warnings = undetermined(task.data);
   if (!theta.allFinite())
     fail("the instruments do not determine the parameters: the input does not excite the process");
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");

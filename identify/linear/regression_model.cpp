@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/linear/least_squares.h"
 
@@ -102,8 +103,7 @@ RegressionModel fit_regression(const DataSet& data, const RegressorSet& set, con
   if (options.normalise) m.fit.options.emplace_back("normalise");
   if (r.left_out > 0)
     m.fit.warnings.push_back(fmt::format("{} rows that touch missing values are left out", r.left_out));
-  for (const std::string& name : m.normalisation.constant)
-    m.fit.warnings.push_back(fmt::format("'{}' does not vary", name));
+  for (std::string& warning : undetermined(data)) m.fit.warnings.push_back(std::move(warning));
   return m;
 }
 

@@ -3,6 +3,7 @@
 #include "identify/linear/state_space.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -105,6 +106,12 @@ StateSpaceModel to_state_space(const PolynomialModel& model) {
   }
   s.fit = model.fit;
   return s;
+}
+
+MatrixXd states_at_rest(const StateSpaceModel& model) {
+  const Eigen::FullPivLU<MatrixXd> lu(MatrixXd::Identity(model.order(), model.order()) - model.A);
+  if (!lu.isInvertible()) return MatrixXd::Constant(model.B.rows(), model.B.cols(), HUGE_VAL);
+  return lu.solve(model.B);
 }
 
 std::vector<MatrixXd> simulate(const StateSpaceModel& model, const DataSet& data, StateStart start) {

@@ -41,6 +41,9 @@ StateSpaceModel fit_subspace(const DataSet& data, const SubspaceOptions& options
 // The observer companion form of a polynomial model's free run (its noise is left out). Exact.
 StateSpaceModel to_state_space(const PolynomialModel& model);
 
+// The state in which each input at 1 leaves the model at rest, (I - A)^-1 B: n x inputs; infinite when it integrates.
+Eigen::MatrixXd states_at_rest(const StateSpaceModel& model);
+
 enum class StateStart {
   zero,       // from rest at the operating point
   estimated,  // from the state that fits the measured outputs of the experiment best, in least squares

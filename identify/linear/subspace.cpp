@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/linear/least_squares.h"
 #include "identify/linear/state_space.h"
@@ -153,6 +154,7 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   model.fit.samples = data.samples();
   model.fit.stopped = "solved directly";
   model.fit.data = hash(given);
+  model.fit.warnings = undetermined(given);
   model.fit.options.push_back(fmt::format("block_rows {}", i));
   if (options.remove_means) model.fit.options.emplace_back("remove_means");
   fit_inputs(model, data, options.feedthrough);

@@ -28,6 +28,8 @@ class Fitting {
     if (!(options.width > 0)) fail("the width of the weights is {:g} cells; it must be greater than 0", options.width);
     x_.resize(X.rows(), X.cols() + 1);
     x_ << X, VectorXd::Ones(X.rows());
+    per_size_ = x_.colwise().stableNorm().transpose() / std::sqrt(static_cast<double>(X.rows()));
+    for (double& size : per_size_) size = size > 0 ? 1 / size : 1;
     scheduling_ = options.scheduling;
     if (scheduling_.empty()) {
       scheduling_.resize(static_cast<std::size_t>(X.cols()));
@@ -82,11 +84,11 @@ class Fitting {
   // Weighted least squares of one model.
   void estimate_local(LocalModel& model, const VectorXd& mu, std::vector<std::string>* warnings = nullptr) const {
     const VectorXd root = mu.cwiseSqrt();
-    const MatrixXd rows = root.asDiagonal() * x_;
+    const MatrixXd rows = root.asDiagonal() * x_ * per_size_.asDiagonal();
     model.parameters.resize(y_.cols(), x_.cols());
     for (Index o = 0; o < y_.cols(); ++o) {
       const LeastSquares found = least_squares(rows, root.cwiseProduct(y_.col(o)), {.ridge = options_.ridge});
-      model.parameters.row(o) = found.theta.transpose();
+      model.parameters.row(o) = found.theta.cwiseProduct(per_size_).transpose();
       if (warnings != nullptr && o == 0)
         warnings->insert(warnings->end(), found.warnings.begin(), found.warnings.end());
     }
@@ -94,12 +96,14 @@ class Fitting {
   void estimate_global(std::vector<LocalModel>& models, const MatrixXd& mu, std::vector<std::string>& warnings) const {
     const Index d = x_.cols();
     MatrixXd rows(x_.rows(), d * mu.cols());
-    for (Index i = 0; i < mu.cols(); ++i) rows.middleCols(i * d, d) = mu.col(i).asDiagonal() * x_;
+    for (Index i = 0; i < mu.cols(); ++i)
+      rows.middleCols(i * d, d) = mu.col(i).asDiagonal() * x_ * per_size_.asDiagonal();
     for (LocalModel& model : models) model.parameters.resize(y_.cols(), d);
     for (Index o = 0; o < y_.cols(); ++o) {
       const LeastSquares found = least_squares(rows, y_.col(o), {.ridge = options_.ridge});
       for (Index i = 0; i < mu.cols(); ++i)
-        models[static_cast<std::size_t>(i)].parameters.row(o) = found.theta.segment(i * d, d).transpose();
+        models[static_cast<std::size_t>(i)].parameters.row(o) =
+            found.theta.segment(i * d, d).cwiseProduct(per_size_).transpose();
       if (o == 0) warnings.insert(warnings.end(), found.warnings.begin(), found.warnings.end());
     }
   }
@@ -132,6 +136,7 @@ class Fitting {
 
  private:
   MatrixXd x_, y_, s_;  // [X, 1], targets, scheduling variables
+  VectorXd per_size_;   // 1/root mean square of the columns of x_: the ridge is relative to them
   const LocalModelOptions& options_;
   std::vector<int> scheduling_;
 };

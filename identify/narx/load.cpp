@@ -9,6 +9,7 @@
 #include "engine/base/files.h"
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
+#include "identify/narx/regression_narx.h"
 
 namespace plantloop::identify {
 namespace {
@@ -22,8 +23,16 @@ LoadedModel read(const std::string& path, const std::string& bytes) {
   LoadedModel model;
   try {
     const Item item = read_model_file(bytes, path);
+    const std::string type = item.text("type");
     model.dynamic = item.has("regressors");
-    if (model.dynamic) {
+    if (type == "linear_model") {
+      model.linear = std::make_shared<StateSpaceModel>(to_state_space(polynomial_model_of(item)));
+    } else if (type == "state_space_model") {
+      model.linear = std::make_shared<StateSpaceModel>(state_space_of(item));
+    } else if (type == "regression_model") {
+      model.narx = to_narx(regression_model_of(item));
+      model.map = model.narx.map;
+    } else if (model.dynamic) {
       model.narx = read_narx(item);
       model.map = model.narx.map;
     } else {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "identify/linear/state_space.h"
 #include "identify/narx/narx.h"
 
 namespace plantloop::identify {
@@ -15,6 +16,9 @@ struct LoadedModel {
   std::shared_ptr<const Approximator> map;
   bool dynamic = false;  // has regressors, so that `narx` is set
   NarxModel narx;
+  // Of a file with a linear model instead, of polynomials or of matrices; `map` is null then. Polynomials become the
+  // observer companion form.
+  std::shared_ptr<const StateSpaceModel> linear;
 };
 
 // The last files with their content are kept, as a large Gaussian process takes long to prepare; a file that changed is

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
 
@@ -40,6 +41,9 @@ NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regres
     fail("the map has {} outputs, but the model {}", map->outputs(), regressors.outputs.size());
   NarxModel model{
       std::move(map), std::move(regressors), {}, data.experiments.empty() ? Item() : data_item(data), std::move(fit)};
+  if (!data.experiments.empty()) {
+    for (std::string& warning : undetermined(data)) model.fit.warnings.push_back(std::move(warning));
+  }
   model.channels.Ts = data.Ts;
   model.channels.inputs = data.inputs;
   model.channels.outputs = data.outputs;

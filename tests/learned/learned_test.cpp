@@ -3,8 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
 #include "identify/gp/gp_map.h"
+#include "identify/model_file/model_file.h"
 #include "identify/narx/load.h"
+#include "identify/narx/regression_narx.h"
 #include "tests/blocks/diagrams.h"
 
 namespace plantloop::testing_diagrams {
@@ -17,6 +23,12 @@ const std::string system =
     "  u: {type: random_levels, generator: lcg, seed: 20240101, lower: -1.2, upper: 1.2, hold: 4, rate: 0.5}\n"
     "  y: {type: unit_delay, in: y - 0.5*tanh(y + u^3), rate: 0.5, initial: 0}\n";
 const std::string network = "model: diagrams/book/models/first_order_mlp.yaml";
+
+// A file of the test inside the project, as diagrams read no others.
+std::string place(const std::string& name) {
+  std::filesystem::create_directories("build/tests-of-learned");
+  return "build/tests-of-learned/" + name;
+}
 
 // The recorded signals as identification sees them.
 identify::DataSet data_of(const Signals& r) {
@@ -72,6 +84,88 @@ TEST(Narx, SaysWhichPortsAModeHas) {
   EXPECT_THAT(
       findings("blocks: {m: {type: narx, model: tests/blocks/models/mlp.yaml, in: {u: 0}}}\nsimulation: {stop: 1}\n"),
       HasSubstr("the model 'tests/blocks/models/mlp.yaml' has no regressors; the block mlp runs it"));
+}
+
+TEST(LinearModel, StartsAtItsOperatingPointOrAtRest) {
+  const std::string block = "blocks: {m: {type: linear_model, model: tests/blocks/models/linear_model.yaml, in: {u: 3}";
+  const std::vector<double> begun = run(block + "}}\nsimulation: {stop: 1}\nrecord: [m]\n").samples("m");
+  ASSERT_EQ(begun.size(), 11U);  // the file's period is 0.1 s
+  for (std::size_t k = 0; k < begun.size(); ++k)
+    EXPECT_NEAR(begun[k], 3 * (1 - std::pow(0.8, static_cast<double>(k))), 1e-12);
+  for (const double y : run(block + ", start: rest}}\nsimulation: {stop: 1}\nrecord: [m]\n").samples("m")) {
+    EXPECT_NEAR(y, 3, 1e-12);
+  }
+}
+
+// A model of two inputs with an operating point, from polynomials and from matrices: the free run of the library.
+TEST(LinearModel, GivesTheFreeRunOfTheLibrary) {
+  identify::StateSpaceModel m;
+  m.inputs = {{"u1", ""}, {"u2", ""}};
+  m.outputs = {{"y1", ""}, {"y2", ""}};
+  m.Ts = 0.5;
+  m.A = (Eigen::MatrixXd(2, 2) << 0.7, 0.2, -0.1, 0.5).finished();
+  m.B = (Eigen::MatrixXd(2, 2) << 1, 0.3, 0, -0.4).finished();
+  m.C = (Eigen::MatrixXd(2, 2) << 1, 0, 0.5, 2).finished();
+  m.D = (Eigen::MatrixXd(2, 2) << 0, 0, 0, 0.25).finished();
+  m.u0 = (Eigen::VectorXd(2) << 1, -2).finished();
+  m.y0 = (Eigen::VectorXd(2) << 10, 20).finished();
+  const std::string path = place("linear.yaml");
+  std::ofstream(path) << identify::to_yaml("state_space_model", identify::to_item(m));
+  const Signals r =
+      run("blocks:\n  u: {type: random_levels, generator: lcg, seed: 5, lower: -1, upper: 2, hold: 3, rate: "
+          "0.5}\n  m: {type: linear_model, model: " +
+          path + ", in: {u: [u, u^2]}}\nsimulation: {stop: 20}\nrecord: [u, m]\n");
+  const std::vector<double> u = r.samples("u"), y = r.samples("m.2");
+  Eigen::MatrixXd inputs(static_cast<Eigen::Index>(u.size()), 2);
+  for (std::size_t k = 0; k < u.size(); ++k) inputs.row(static_cast<Eigen::Index>(k)) << u[k], u[k] * u[k];
+  const identify::DataSet data =
+      identify::make_data_set(inputs, Eigen::MatrixXd::Zero(inputs.rows(), 2), 0.5, m.inputs, m.outputs);
+  const Eigen::MatrixXd expected = identify::simulate(m, data, identify::StateStart::zero)[0];
+  ASSERT_EQ(static_cast<Eigen::Index>(y.size()), expected.rows());
+  for (std::size_t k = 0; k < y.size(); ++k) EXPECT_NEAR(y[k], expected(static_cast<Eigen::Index>(k), 1), 1e-12);
+}
+
+TEST(LinearModel, SaysWhichBlockRunsAModel) {
+  EXPECT_THAT(
+      findings("blocks: {m: {type: linear_model, model: tests/blocks/models/narx.yaml, in: {u: 0}}}\n"
+               "simulation: {stop: 1}\n"),
+      HasSubstr("'tests/blocks/models/narx.yaml' holds a model of type 'mlp', which is not linear; the block narx "
+                "runs it"));
+  EXPECT_THAT(
+      findings("blocks: {m: {type: narx, model: tests/blocks/models/linear_model.yaml, in: {u: 0}}}\n"
+               "simulation: {stop: 1}\n"),
+      HasSubstr("'tests/blocks/models/linear_model.yaml' holds a linear model; the block linear_model runs it"));
+}
+
+// A polynomial model runs as a network does: the same numbers as the library, and exact derivatives.
+TEST(Narx, RunsPolynomialModels) {
+  const Signals data_run = run(system + "simulation: {stop: 60}\nrecord: [u, y]\n");
+  const identify::DataSet data = data_of(data_run);
+  const identify::RegressionModel model = identify::fit_selected(
+      data, identify::polynomial(identify::parse_regressors("y(k-1..2), u(k-1..2)", data), 3), {.most_terms = 8});
+  const identify::NarxModel narx = identify::to_narx(model);
+  EXPECT_LT((identify::free_run(narx, data)[0] - identify::free_run(model, data)[0]).cwiseAbs().maxCoeff(), 1e-10);
+  const auto n = static_cast<std::size_t>(narx.map->inputs());
+  std::vector<double> x(n), slopes(n), scratch(static_cast<std::size_t>(narx.map->scratch_size()));
+  for (std::size_t i = 0; i < n; ++i) x[i] = 0.3 - 0.2 * static_cast<double>(i);
+  narx.map->derivative(x.data(), slopes.data(), scratch.data());
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto at = [&](double step) {
+      std::vector<double> moved = x;
+      moved[i] += step;
+      double y = 0;
+      narx.map->evaluate(moved.data(), &y, scratch.data());
+      return y;
+    };
+    EXPECT_NEAR(slopes[i], (8 * (at(1e-3) - at(-1e-3)) - (at(2e-3) - at(-2e-3))) / 12e-3, 1e-9);
+  }
+  const std::string path = place("polynomial.yaml");
+  std::ofstream(path) << identify::to_yaml("regression_model", identify::to_item(model));
+  const Signals r = run(system + "  one: {type: narx, mode: one_step, in: {u: u, y: y}, model: " + path +
+                        "}\nsimulation: {stop: 60}\nrecord: [u, y, one.y]\n");
+  const Eigen::MatrixXd one = identify::one_step(model, data)[0];
+  const std::vector<double> found = r.samples("one.y");
+  for (std::size_t k = 2; k < found.size(); ++k) EXPECT_NEAR(found[k], one(static_cast<Eigen::Index>(k), 0), 1e-12);
 }
 
 TEST(Map, SaysWhichBlockRunsAModel) {

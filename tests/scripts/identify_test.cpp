@@ -81,7 +81,7 @@ TEST_F(Identification, TrainsNetworksOnThroughTime) {
   EXPECT_EQ(printed("local I = pl.identify\n"
                     "local u = I.staircase{samples = 300, hold = 5, lower = -1, upper = 1, seed = 1}\n"
                     "local y = pl.zeros(300)\n"
-                    "for k = 2, 300 do y[k] = 0.8 * y[k - 1] + 0.2 * math.tanh(2 * u[k - 1]) end\n"
+                    "for k = 2, 300 do y[k] = 0.8 * y[k - 1] + 0.4 * u[k - 1]/(1 + math.abs(u[k - 1])) end\n"
                     "local d = I.data{u = u, y = y, Ts = 1}\n"
                     "local m = I.mlp(d, {regressors = 'y(k-1), u(k-1)', hidden = 3, direct = true, starts = 2,\n"
                     "                    iterations = 5})\n"

@@ -71,7 +71,7 @@ UncertainPoint point_with(double s11, double s12, double s22) {
 }
 
 TEST(MomentMatching, AgreesWithQuadrature) {
-  for (const char* covariance : {"se_ard", "linear"}) {
+  for (const char* covariance : {"se_ard", "linear", "se_ard + linear", "linear + se_ard + linear"}) {
     for (const MeanFunction mean : {MeanFunction::zero, MeanFunction::constant, MeanFunction::linear}) {
       const GaussianProcess model = model_of(covariance, mean);
       const Propagator propagator(model, Propagation::moment_matching);
@@ -124,10 +124,10 @@ TEST(Propagation, SaysWhichCovariancesHaveAClosedForm) {
     const Propagator propagator(model, Propagation::moment_matching);
     FAIL();
   } catch (const IdentifyError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "moment matching has a closed form for se_ard and linear only, not for 'matern_3_2'; first_order works "
-        "with every covariance");
+    EXPECT_STREQ(error.what(),
+                 "moment matching has a closed form for se_ard, linear and se_ard + linear only, not for 'matern_3_2'; "
+                 "first_order works "
+                 "with every covariance");
   }
   try {
     find_propagation("exact");

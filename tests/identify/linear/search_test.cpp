@@ -250,8 +250,9 @@ TEST(LinearModels, SayWhatIsWrong) {
             "the data have no output 'z'; there are: y");
   data.experiments[0].u.col(0).setZero();
   const PolynomialModel m = fit_linear(data, {.na = 1});
-  ASSERT_EQ(m.fit.warnings.size(), 1U);
-  EXPECT_EQ(m.fit.warnings[0].substr(0, 43), "the data determine only 2 of 3 parameters: ");
+  ASSERT_EQ(m.fit.warnings.size(), 2U);
+  EXPECT_EQ(m.fit.warnings[0], "'u1' does not vary");
+  EXPECT_EQ(m.fit.warnings[1].substr(0, 43), "the data determine only 2 of 3 parameters: ");
 }
 
 }  // namespace
