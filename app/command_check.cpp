@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/figures.h"
 #include "engine/run/diagram.h"
 
 PLANTLOOP_COMMAND(check) {
@@ -33,7 +34,7 @@ PLANTLOOP_COMMAND(check) {
     for (const std::string& file : o->files) {
       // One file's findings do not hide another's: each has room for twenty.
       Report own;
-      if (const auto diagram = Diagram::load(file, own)) {
+      if (const auto diagram = Diagram::load(file, own, plot_words())) {
         diagram->check({}, own);
       }
       wrong = wrong || own.has_errors();

@@ -3,14 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <memory>
 #include <set>
 
 #include "app/command.h"
+#include "app/drawing/formulas.h"
 #include "app/drawing/hints.h"
 #include "app/drawing/sheets.h"
+#include "app/figures.h"
 #include "engine/base/files.h"
+#include "engine/run/recording.h"
 #include "render/diagram/draw.h"
 #include "render/error.h"
 #include "render/image.h"
@@ -25,6 +31,8 @@ struct DrawOptions {
   std::vector<std::string> show;
   int depth = 0;
   bool pages = false;
+  std::string values;
+  double at = std::numeric_limits<double>::infinity();
 };
 
 // The format that the file's name asks for; "" after complaining.
@@ -95,11 +103,49 @@ int write_pages(const std::string& out, const std::string& format, const std::ve
   }
 }
 
+// The values of a saved run at a time, by signals; vectors as their elements in brackets. Nothing after complaining.
+std::optional<std::map<std::string, std::string>> values_of(const DrawOptions& o) {
+  std::map<std::string, std::string> values;
+  if (o.values.empty()) return values;
+  const FileResult file = read_file(o.values, std::size_t{16} << 30);
+  const RecordingResult read = file.ok() ? from_npz(file.value) : RecordingResult{};
+  if (!file.ok() || !read.ok()) {
+    complain(fmt::format("--values: cannot read '{}': {}; it is made by run --out FILE.npz", o.values,
+                         file.ok() ? read.error : file.error));
+    return std::nullopt;
+  }
+  const std::vector<double>& time = read.recording.time();
+  const auto after = std::upper_bound(time.begin(), time.end(), o.at);
+  if (after == time.begin()) {
+    complain(fmt::format("--at {:g}: {} begins at {:g} s", o.at, o.values, time.empty() ? 0.0 : time.front()));
+    return std::nullopt;
+  }
+  const auto row = static_cast<std::size_t>(after - time.begin() - 1);
+  std::map<std::string, std::vector<std::string>> vectors;
+  for (std::size_t c = 0; c < read.recording.columns.size(); ++c) {
+    const std::string& name = read.recording.columns[c].name;
+    const std::string text =
+        pretty_number(std::strtod(fmt::format("{:.4g}", read.recording.at(row, c)).c_str(), nullptr));
+    values[name] = "= " + text;
+    const std::size_t dot = name.rfind('.');
+    if (dot != std::string::npos && name.find_first_not_of("0123456789", dot + 1) == std::string::npos)
+      vectors[name.substr(0, dot)].push_back(text);
+  }
+  for (auto& [name, elements] : vectors) {
+    if (elements.size() > 3) {
+      elements.resize(3);
+      elements.emplace_back("...");
+    }
+    values[name] = fmt::format("= [{}]", fmt::join(elements, ", "));
+  }
+  return values;
+}
+
 int draw_diagram(const DrawOptions& o) {
   const std::string format = format_of(o.out);
   if (format.empty()) return input_wrong;
   Report report;
-  const std::shared_ptr<const Model> model = read_model(o.file, report);
+  const std::shared_ptr<const Model> model = read_model(o.file, report, plot_words());
   std::shared_ptr<const Graph> graph;
   if (model && !report.has_errors()) graph = elaborate(model, {}, report);
   if (!graph || report.has_errors()) {
@@ -115,11 +161,14 @@ int draw_diagram(const DrawOptions& o) {
     if (!read) return input_wrong;
     hints = *std::move(read);
   }
+  auto values = values_of(o);
+  if (!values) return input_wrong;
   const auto shows = [&](const char* what) { return std::find(o.show.begin(), o.show.end(), what) != o.show.end(); };
   const SheetOptions options{.depth = o.depth,
                              .rates = shows("rates"),
                              .sizes = shows("sizes"),
                              .units = shows("units"),
+                             .values = *std::move(values),
                              .hidden = hints.hidden};
   std::vector<Page> pages;
   for (const std::uint32_t s : o.pages ? scopes_below(*graph, *scope) : std::vector{*scope}) {
@@ -166,10 +215,14 @@ PLANTLOOP_COMMAND(draw) {
                   "what else is written: rates below the blocks, sizes and units on the wires; separated by commas")
       ->delimiter(',')
       ->check(CLI::IsMember({"rates", "sizes", "units"}));
+  parser.add_option("--values", o->values, "a result of a run, .npz: the signals' values stand on the wires")
+      ->type_name("RESULT");
+  parser.add_option("--at", o->at, "the time of the values, in s; by default the end of the run")->type_name("T");
   parser.footer(
       "Examples:\n"
       "  plantloop draw loop.yaml -o loop.svg\n"
       "  plantloop draw loop.yaml -o loop.png --depth 1 --show rates,sizes\n"
-      "  plantloop draw loop.yaml -o controller.pdf --inside controller");
+      "  plantloop draw loop.yaml -o controller.pdf --inside controller\n"
+      "  plantloop run loop.yaml --out loop.npz && plantloop draw loop.yaml -o loop.svg --values loop.npz");
   return [o] { return draw_diagram(*o); };
 }

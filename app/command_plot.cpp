@@ -22,16 +22,11 @@ struct PlotOptions {
 // What the figures show and the result does not have.
 std::vector<std::string> missing_signals(const Model& model, const DiagramRun& run) {
   std::vector<std::string> missing;
-  const auto look = [&](const FigureSignal& s) {
-    if (!s.signal || run.shown.contains(s.signal.get())) return;
-    const std::string name = to_string(*s.signal);
-    if (std::find(missing.begin(), missing.end(), name) == missing.end()) missing.push_back(name);
-  };
   for (const FigureDecl& figure : model.figures) {
-    for (const FigurePanel& panel : figure.panels) {
-      for (const FigureSignal& s : panel.y) look(s);
-      for (const FigureSignal& s : panel.right) look(s);
-      look(panel.x);
+    for (const ExpressionPtr& signal : figure.signals()) {
+      if (run.shown.contains(signal.get())) continue;
+      const std::string name = to_string(*signal);
+      if (std::find(missing.begin(), missing.end(), name) == missing.end()) missing.push_back(name);
     }
   }
   return missing;

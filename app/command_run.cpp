@@ -11,6 +11,7 @@
 
 #include "app/command.h"
 #include "app/draw.h"
+#include "app/figures.h"
 #include "app/request.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -153,7 +154,7 @@ int run_diagram(const RunOptions& o) {
   if (!o.solver.empty()) request.solver = o.solver;
 
   Report report;
-  const auto diagram = Diagram::load(o.file, report);
+  const auto diagram = Diagram::load(o.file, report, plot_words());
   if (!diagram || report.has_errors()) {
     if (diagram) diagram->check(request.set, report);
     print(report);

@@ -11,6 +11,7 @@
 #include "app/command.h"
 #include "app/difference.h"
 #include "app/draw.h"
+#include "app/figures.h"
 #include "app/junit.h"
 #include "app/request.h"
 #include "engine/base/error.h"
@@ -97,7 +98,7 @@ class Tester {
   void test(const std::string& file) {
     const double start = seconds();
     Report report;
-    const auto diagram = Diagram::load(file, report);
+    const auto diagram = Diagram::load(file, report, plot_words());
     const bool nothing_to_test =
         diagram && !report.has_errors() && (diagram->model().is_library || diagram->model().expect.empty());
     if (nothing_to_test) {

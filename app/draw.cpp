@@ -42,7 +42,12 @@ std::string write_figures(const Model& model, const DiagramRun& run, const std::
                           const std::vector<std::string>& formats) {
   if (model.figures.empty()) return fmt::format("{} has no figures: section, so there is nothing to draw", model.path);
   for (const FigureDecl& declared : model.figures) {
-    const Scene scene = layout(make_figure(declared, run, model));
+    Scene scene;
+    try {
+      scene = layout(make_figure(declared, run, model));
+    } catch (const RenderError& e) {
+      return fmt::format("cannot draw figure '{}': {}", declared.name, e.what());
+    }
     for (const std::string& format : formats) {
       std::string error = write_picture(scene, format, fmt::format("{}/{}.{}", folder, declared.name, format));
       if (!error.empty()) return error;

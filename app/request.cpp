@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "app/command.h"
+#include "app/figures.h"
 #include "engine/base/files.h"
 
 namespace plantloop::app {
@@ -33,7 +34,7 @@ bool read_overrides(const std::vector<std::string>& texts, Overrides& overrides)
 std::string extension_of(const std::string& path) { return std::filesystem::path(path).extension().string(); }
 
 std::shared_ptr<Diagram> load_diagram(const std::string& path, Report& report) {
-  auto diagram = Diagram::load(path, report);
+  auto diagram = Diagram::load(path, report, plot_words());
   if (diagram && !report.has_errors()) return diagram;
   print(report);
   return nullptr;

@@ -4,33 +4,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <utility>
 
+#include "engine/base/colors.h"
+
 namespace plantloop {
 namespace {
-
-constexpr std::array<std::pair<std::string_view, Color>, 11> names{{
-    {"blue", rgb(0x0072B2)},
-    {"vermillion", rgb(0xD55E00)},
-    {"green", rgb(0x009E73)},
-    {"purple", rgb(0xCC79A7)},
-    {"orange", rgb(0xE69F00)},
-    {"sky", rgb(0x56B4E9)},
-    {"black", rgb(0x000000)},
-    {"grey", rgb(0x6B7480)},
-    {"gray", rgb(0x6B7480)},
-    {"red", rgb(0xC8102E)},
-    {"white", rgb(0xFFFFFF)},
-}};
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 // Relative luminance of sRGB, WCAG 2.1.
 double luminance(Color color) {
@@ -52,20 +32,9 @@ Color over(Color top, Color below) {
 }
 
 std::optional<Color> parse_color(std::string_view text) {
-  for (const auto& [name, color] : names)
-    if (name == text) return color;
-  if (text.empty() || text[0] != '#') return std::nullopt;
-  text.remove_prefix(1);
-  const std::size_t digits = text.size() == 3 ? 1 : 2;
-  if (text.size() != 3 && text.size() != 6 && text.size() != 8) return std::nullopt;
-  std::array<std::uint8_t, 4> level{0, 0, 0, 255};
-  for (std::size_t i = 0; i * digits < text.size(); ++i) {
-    const int high = hex_digit(text[i * digits]);
-    const int low = hex_digit(text[i * digits + digits - 1]);
-    if (high < 0 || low < 0) return std::nullopt;
-    level[i] = static_cast<std::uint8_t>(16 * high + low);
-  }
-  return Color{level[0], level[1], level[2], level[3]};
+  const auto number = color_number(text);
+  if (!number) return std::nullopt;
+  return with_alpha(rgb(*number >> 8), static_cast<std::uint8_t>(*number));
 }
 
 std::string to_hex(Color color) {

@@ -51,6 +51,9 @@ struct Axis {
   Scale scale = Scale::linear;
   double threshold = 0;         // of Scale::symlog; 0: a power of ten found from the data
   std::vector<AxisTick> ticks;  // instead of numbers: the names of bars; ascending
+  // Of an x axis whose values are seconds: the unit they are shown in, ms s min h d, or auto by the axis' length. It
+  // takes the place of the unit in the label. Empty: values are shown as they are.
+  std::string time_unit;
 };
 
 // How a series is to look. What is left out follows the theme: the colour from the palette, in order.
@@ -136,6 +139,9 @@ struct ReferenceBand {
   std::optional<Color> color;
 };
 
+// Where a panel says which curve is which: automatic is at the curves' ends, else where no data is.
+enum class Legend { automatic, none, top_left, top_right, bottom_left, bottom_right, above, beside };
+
 struct Panel {
   std::string title;      // a small title above the panel; the figure's own stands above all
   std::optional<Axis> x;  // a horizontal axis of its own (a phase portrait); else the panel shares the figure's
@@ -146,6 +152,7 @@ struct Panel {
   std::vector<ReferenceBand> bands;
   std::vector<Callout> callouts;
   std::optional<ColorScale> colors;
+  Legend legend = Legend::automatic;
   bool equal = false;  // one unit is as long in x as in y
   bool bare = false;   // without axes, numbers and grid
   double height = 1;   // relative to the figure's other panels
@@ -167,13 +174,14 @@ struct Panel {
 
 struct Figure {
   std::string title;
-  std::string theme = "light";  // a name from theme_names()
-  double width = 200;           // mm
-  double height = 0;            // mm; 0: from the number and kind of the panels, 3:2 for one
-  double dpi = 152.4;           // 6 pixels per mm: 1200 pixels at the default width
-  Axis x;                       // shared by all panels without an x of their own
-  int columns = 1;              // panels stand side by side in as many columns, row after row
-  bool share_y = false;         // all panels have the left axis of the one that needs most
+  std::string theme = "light";   // a name from theme_names()
+  double width = 200;            // mm
+  double height = 0;             // mm; 0: from the number and kind of the panels, 3:2 for one
+  double dpi = 152.4;            // 6 pixels per mm: 1200 pixels at the default width
+  Axis x;                        // shared by all panels without an x of their own
+  bool selectable_text = false;  // of an SVG: a text that can be selected and found lies over the outlines
+  int columns = 1;               // panels stand side by side in as many columns, row after row
+  bool share_y = false;          // all panels have the left axis of the one that needs most
   std::vector<Panel> panels;
 
   Panel& add_panel(Panel panel = {});

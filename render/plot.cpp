@@ -78,7 +78,7 @@ void Given::set(std::string_view name, PlotValue value) {
 
 void Given::check() const {
   for (std::size_t i = 0; i < values_.size(); ++i)
-    if (plot_->inputs()[i].need == Need::required && std::holds_alternative<std::monostate>(values_[i]))
+    if (plot_->inputs()[i].need == Need::needed && std::holds_alternative<std::monostate>(values_[i]))
       throw RenderError(fmt::format("'{}' is missing: {}", plot_->inputs()[i].name, plot_->inputs()[i].doc));
 }
 

@@ -140,6 +140,12 @@ class Setter {
            (x->kind == Kind::binary && x->text == "^" && x->arguments[0]->kind == Kind::number);
   }
 
+  static bool begins_with_digit(const Formula& f) {
+    if (f.kind == Formula::Kind::text) return !f.text.empty() && is_digit(f.text[0]);
+    const bool flat = f.kind == Formula::Kind::row || f.kind == Formula::Kind::power;
+    return flat && !f.parts.empty() && begins_with_digit(f.parts[0]);
+  }
+
   // A factor that need not be written.
   bool is_one(const Expression& e) const {
     if (e.kind == Kind::number) return e.number == 1;
@@ -164,8 +170,11 @@ class Setter {
         first.parts[0] = one ? second : row({first.parts[0], " ", second});
         return first;
       }
-      const bool dot = starts_with_number(b) || is_word(a) || is_word(b);
-      return row({set(a, 6), dot ? " · " : " ", set(b, 7)});
+      // What stands there decides: a name may have been replaced by a number.
+      Formula first = set(a, 6), second = set(b, 7);
+      const bool word = (is_word(a) && !begins_with_digit(first)) || (is_word(b) && !begins_with_digit(second));
+      const bool dot = word || begins_with_digit(second) || starts_with_number(b);
+      return row({std::move(first), dot ? " · " : " ", std::move(second)});
     }
     if (e.text == "+" || e.text == "-")
       return row({set(a, 5), e.text == "+" ? " + " : " − ", set(b, e.text == "-" ? 6 : 5)});

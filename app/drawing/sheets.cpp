@@ -539,7 +539,26 @@ class SheetMaker {
       }
       if (options_.units && !g_.nets[net].unit.empty())
         wire.note += (wire.note.empty() ? "" : " ") + fmt::format("[{}]", g_.nets[net].unit);
+      if (const std::string value = value_of(g_.nets[net]); !value.empty())
+        wire.note += (wire.note.empty() ? "" : " ") + value;
     }
+  }
+
+  // By the paths that a recording may have for the signal: plant.y, and plant for its main output.
+  std::string value_of(const GraphNet& net) const {
+    if (options_.values.empty()) return {};
+    const auto find = [&](const std::string& path, std::string_view output) {
+      auto found = options_.values.find(fmt::format("{}.{}", path, output));
+      if (found == options_.values.end() && net.port == 0) found = options_.values.find(path);
+      return found == options_.values.end() ? std::string() : found->second;
+    };
+    if (net.kind == GraphNet::Kind::scope_output) {
+      const GraphScope& scope = g_.scopes[net.owner];
+      return find(scope.path, scope.type->outputs[net.port].name);
+    }
+    if (net.kind != GraphNet::Kind::output && net.kind != GraphNet::Kind::expression) return {};
+    const GraphBlock& from = g_.blocks[net.owner];
+    return find(from.path, from.type ? from.type->block->outputs_declared[net.port]->name : std::string_view("y"));
   }
 
   // Of a block with several outputs only those are drawn that something reads.
@@ -575,9 +594,7 @@ class SheetMaker {
     for (const RecordDecl& r : g_.model->record) take(r.signal.get());
     if (nets.empty())
       for (const FigureDecl& f : g_.model->figures)
-        for (const FigurePanel& p : f.panels)
-          for (const FigureSignal& s : p.y)
-            if (s.signal) take(s.signal.get());
+        for (const ExpressionPtr& s : f.signals()) take(s.get());
     return nets;
   }
 

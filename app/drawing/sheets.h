@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 
@@ -15,10 +16,12 @@
 namespace plantloop {
 
 struct SheetOptions {
-  int depth = 0;                      // how many levels of subsystems are drawn open, in frames
-  bool rates = false;                 // write the sampling times below the blocks
-  bool sizes = false;                 // write the sizes of vectors and matrices on the wires
-  bool units = false;                 // write the units on the wires
+  int depth = 0;       // how many levels of subsystems are drawn open, in frames
+  bool rates = false;  // write the sampling times below the blocks
+  bool sizes = false;  // write the sizes of vectors and matrices on the wires
+  bool units = false;  // write the units on the wires
+  // What stands on the wires of signals, by their full paths: their values in a run.
+  std::map<std::string, std::string> values = {};
   std::set<std::string> hidden = {};  // full paths of blocks and subsystems that are not drawn
 };
 

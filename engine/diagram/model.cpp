@@ -25,7 +25,7 @@ std::shared_ptr<TypeDecl> read_top(Node& root, Report& report) {
   return top;
 }
 
-void read_sections(const Node& root, Model& model, Report& report) {
+void read_sections(const Node& root, const PlotWords& plots, Model& model, Report& report) {
   for (std::size_t i = 0; i < root.keys.size(); ++i) {
     const std::string& key = root.keys[i];
     const Node& value = root.items[i];
@@ -38,7 +38,7 @@ void read_sections(const Node& root, Model& model, Report& report) {
       model.record = read_record(value, report);
       model.has_record = true;
     }
-    if (key == "figures") model.figures = read_figures(value, report);
+    if (key == "figures") model.figures = read_figures(value, plots, report);
     if (key == "expect") model.expect = read_expect(value, report);
     if (key == "checks") model.checks = read_checks(value, report);
   }
@@ -56,7 +56,7 @@ void check_library(const Node& root, Model& model, Report& report) {
       .named("missing-key");
 }
 
-std::shared_ptr<const Model> build(std::string text, const std::string& path, Report& report) {
+std::shared_ptr<const Model> build(std::string text, const std::string& path, const PlotWords& plots, Report& report) {
   const std::size_t errors = report.error_count();
   const auto source = std::make_shared<const Source>(Source{path, std::move(text)});
   Node root = read_document(source, report);
@@ -74,7 +74,7 @@ std::shared_ptr<const Model> build(std::string text, const std::string& path, Re
   model->files = std::move(files.scopes);
   model->sources = std::move(files.sources);
   model->sources.insert(model->sources.begin(), source);
-  read_sections(root, *model, report);
+  read_sections(root, plots, *model, report);
   const std::size_t errors_of_parts = report.error_count();
   check_library(root, *model, report);
   check_containment(*model, report);
@@ -85,17 +85,18 @@ std::shared_ptr<const Model> build(std::string text, const std::string& path, Re
 
 }  // namespace
 
-std::shared_ptr<const Model> read_model(const std::string& path, Report& report) {
+std::shared_ptr<const Model> read_model(const std::string& path, Report& report, const PlotWords& plots) {
   FileResult file = read_file(path);
   if (!file.ok()) {
     report.error({}, "cannot read '{}': {}", path, file.error).named("file");
     return nullptr;
   }
-  return build(std::move(file.value), path, report);
+  return build(std::move(file.value), path, plots, report);
 }
 
-std::shared_ptr<const Model> read_model_text(const std::string& text, const std::string& path, Report& report) {
-  return build(text, path, report);
+std::shared_ptr<const Model> read_model_text(const std::string& text, const std::string& path, Report& report,
+                                             const PlotWords& plots) {
+  return build(text, path, plots, report);
 }
 
 }  // namespace plantloop

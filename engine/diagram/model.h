@@ -12,6 +12,7 @@
 #include "engine/base/report.h"
 #include "engine/diagram/document.h"
 #include "engine/diagram/expression.h"
+#include "engine/diagram/figure_words.h"
 
 namespace plantloop {
 
@@ -148,35 +149,42 @@ struct RecordDecl {
   ExpressionPtr signal;
 };
 
-struct FigureSignal {
-  ExpressionPtr signal;  // null: time
-  std::string label, style;
+struct FigureEntry;
+
+// What is said of a figure or of a part of it, after the tables of engine/diagram/figure_words.h.
+struct FigureBlock {
+  const FigureWords* words = nullptr;
   Mark mark;
+  std::vector<FigureEntry> entries;
+
+  const FigureEntry* find(std::string_view name) const;
+  // Of an entry that is not there: empty, false, none.
+  std::string text(std::string_view name) const;
+  bool flag(std::string_view name) const;
+  ExpressionPtr number(std::string_view name) const;
+  const std::vector<FigureBlock>& parts(std::string_view name) const;
 };
-struct FigureLine {
-  ExpressionPtr x, y;  // exactly one
-  std::string label;
-};
-struct FigureBand {
-  ExpressionPtr lower, upper, from, until;  // from, until may be null
-  std::string label;
-};
-struct FigurePanel {
+
+struct FigureEntry {
+  const FigureWord* word = nullptr;
   Mark mark;
-  std::vector<FigureSignal> y, right;
-  FigureSignal x;
-  std::string label, x_label, right_label, scale = "linear";
-  ExpressionPtr lower_limit, upper_limit;  // `limits: [lower, upper]`, null where not given
-  std::vector<FigureLine> lines;
-  std::vector<FigureBand> bands;
-  bool equal = false;
+  std::string text;                    // of a text, a choice, a colour; the label of an axis
+  std::vector<std::string> texts;      // of texts
+  bool flag = false;                   // of a flag
+  std::vector<ExpressionPtr> numbers;  // of numbers, limits, columns, grids (row by row); null: left open
+  std::size_t columns = 0;             // of a grid
+  ExpressionPtr signal;                // of a signal; of a column or grid that is no list
+  std::vector<FigureBlock> parts;      // of signals, axes, lists, plots
 };
+
 struct FigureDecl {
   std::string name;
   Mark mark;
-  std::string title, theme, x_label;
-  ExpressionPtr x_lower, x_upper, width;
-  std::vector<FigurePanel> panels;
+  FigureBlock says;
+
+  // Every expression over signals, and every one over parameters, wherever it stands.
+  std::vector<ExpressionPtr> signals() const;
+  std::vector<ExpressionPtr> numbers() const;
 };
 
 // One entry of `expect:`, as FORMAT.md defines it.
@@ -213,9 +221,10 @@ struct Model {
 };
 
 // Reads a diagram and what it imports; reports everything that is wrong. Null when the file cannot be read as a diagram
-// at all.
-std::shared_ptr<const Model> read_model(const std::string& path, Report& report);
+// at all. `plots`: the plot types that figures may use.
+std::shared_ptr<const Model> read_model(const std::string& path, Report& report, const PlotWords& plots = no_plots());
 // The same for a text in memory; `path` names it in findings and anchors its relative paths.
-std::shared_ptr<const Model> read_model_text(const std::string& text, const std::string& path, Report& report);
+std::shared_ptr<const Model> read_model_text(const std::string& text, const std::string& path, Report& report,
+                                             const PlotWords& plots = no_plots());
 
 }  // namespace plantloop

@@ -23,7 +23,7 @@ void check_containment(const Model& model, Report& report);
 SimulationDecl read_simulation(const Node& node, const Mark& mark, Report& report);
 std::map<std::string, std::string> read_checks(const Node& node, Report& report);
 std::vector<RecordDecl> read_record(const Node& node, Report& report);
-std::vector<FigureDecl> read_figures(const Node& node, Report& report);
+std::vector<FigureDecl> read_figures(const Node& node, const PlotWords& plots, Report& report);
 std::vector<ExpectDecl> read_expect(const Node& node, Report& report);
 
 // Is this a key of any instance, which no block parameter may take?

@@ -1,171 +1,349 @@
-// `figures:`: panels, curves, lines and bands.
+// `figures:`: whatever the tables of words allow (engine/diagram/figure_words.h).
 
+#include <algorithm>
 #include <utility>
 
+#include "engine/base/colors.h"
+#include "engine/base/numbers.h"
 #include "engine/diagram/read.h"
 #include "engine/diagram/section.h"
 
 namespace plantloop {
 namespace {
 
-// `[lower, upper]`
-void read_limits(const Section& section, ExpressionPtr& lower, ExpressionPtr& upper, Report& report) {
-  const Node* node = section.find("limits");
-  if (!node) return;
-  if (!node->is_sequence() || node->items.size() != 2) {
-    report.error(node->mark, "'limits' are two numbers, [lower, upper]; here is {}", describe(*node)).named("kind");
-    return;
-  }
-  lower = parse_expression(node->items[0], report);
-  upper = parse_expression(node->items[1], report);
-}
+using Kind = FigureWord::Kind;
 
-FigureSignal read_signal(const Node& node, Report& report) {
-  FigureSignal signal;
-  signal.mark = node.mark;
-  if (!node.is_mapping()) {
-    signal.signal = parse_expression(node, report);
-    return signal;
-  }
-  const Section section(node, "a curve", {"signal", "label", "style"}, report);
-  section.require("signal", node.mark, "{signal: y, label: position}");
-  signal.signal = section.expression("signal");
-  signal.label = section.text("label");
-  signal.style =
-      section.choice("style", {"solid", "dashed", "dotted", "dashdot", "points", "line_points", "steps"}, "");
-  return signal;
-}
+class Reader {
+ public:
+  Reader(const PlotWords& plots, Report& report) : plots_(plots), report_(report) {}
 
-std::vector<FigureSignal> read_signals(const Node* node, Report& report) {
-  std::vector<FigureSignal> signals;
-  if (!node) return signals;
-  if (!node->is_sequence()) {
-    signals.push_back(read_signal(*node, report));
-  } else {
-    for (const Node& item : node->items) signals.push_back(read_signal(item, report));
-    if (node->items.empty()) report.error(node->mark, "a panel shows at least one signal").named("missing-key");
+  FigureDecl figure(const std::string& name, const Mark& mark, const Node& node) {
+    FigureDecl figure;
+    figure.name = name;
+    figure.mark = mark;
+    check_name(name, mark, "figure", report_);
+    const Section section(node, fmt::format("figure '{}'", name), figure_words().names(), report_);
+    section.require("panels", mark, "panels: [{y: [r, y], label: \"position [m]\"}]");
+    figure.says = entries(node, figure_words());
+    const Node* panels = section.find("panels");
+    if (panels && panels->is_sequence() && panels->items.empty())
+      report_.error(section.mark_of("panels"), "figure '{}' has no panels", name).named("missing-key");
+    return figure;
   }
-  std::erase_if(signals, [](const FigureSignal& signal) { return !signal.signal; });
-  return signals;
-}
 
-void read_labels(const Section& section, FigurePanel& panel, Report& report) {
-  const Node* labels = section.find("labels");
-  const Node* curves = section.find("y");
-  if (!labels || !curves) return;
-  const std::size_t n = curves->is_sequence() ? curves->items.size() : 1;
-  if (!labels->is_sequence() || labels->items.size() != n) {
-    report
-        .error(labels->mark, "'labels' has one text for each entry of 'y', {} in all; here is {}", n, describe(*labels))
+ private:
+  const PlotWords& plots_;
+  Report& report_;
+
+  static bool has_plots(const FigureWords& words) { return &words == &panel_words() || &words == &inset_words(); }
+
+  const FigureWord* word_of(const FigureWords& words, std::string_view key) const {
+    if (const FigureWord* word = words.find(key)) return word;
+    if (!has_plots(words)) return nullptr;
+    const auto plot = std::find_if(plots_.begin(), plots_.end(), [&](const FigureWord& p) { return p.name == key; });
+    return plot == plots_.end() ? nullptr : &*plot;
+  }
+
+  // A mapping whose keys are words; says what is unknown and what is missing.
+  FigureBlock block(const Node& node, const FigureWords& words, std::string what) {
+    std::vector<std::string> keys = words.names();
+    if (has_plots(words))
+      for (const FigureWord& plot : plots_) keys.emplace_back(plot.name);
+    const Section section(node, std::move(what), keys, report_);
+    if (!section) return {&words, node.mark, {}};
+    FigureBlock made = entries(node, words);
+    check(section, made);
+    return made;
+  }
+
+  FigureBlock entries(const Node& node, const FigureWords& words) {
+    FigureBlock made{&words, node.mark, {}};
+    if (!node.is_mapping()) return made;
+    for (std::size_t i = 0; i < node.keys.size(); ++i)
+      if (const FigureWord* word = word_of(words, node.keys[i])) made.entries.push_back(entry(node.items[i], *word));
+    return made;
+  }
+
+  // What must stand in a block of this kind.
+  void check(const Section& section, const FigureBlock& made) {
+    const FigureWords& words = *made.words;
+    if (has_plots(words)) {
+      const bool plots = std::any_of(made.entries.begin(), made.entries.end(),
+                                     [](const FigureEntry& e) { return e.word->kind == Kind::plot; });
+      if (!plots && !section.has_unknown_keys())
+        section.require("y", made.mark, words.find("insets") ? "panels: [{y: [r, y]}]" : "{y: y}");
+      check_labels(section, made);
+    }
+    if (&words == &curve_words()) section.require("signal", made.mark, "{signal: y, label: position}");
+    if (&words == &line_words() && !made.find("x") == !made.find("y"))
+      report_.error(made.mark, "a line has either x or y")
+          .hint("for example {y: 1.5, label: limit}")
+          .named("missing-key");
+    if (&words == &band_words() && !made.find("from") && !made.find("until")) {
+      section.require("lower", made.mark, "{lower: 0.98, upper: 1.02}");
+      section.require("upper", made.mark, "{lower: 0.98, upper: 1.02}");
+    }
+    if (&words == &remark_words()) {
+      section.require("x", made.mark, "{x: 1.2, y: 0.8, label: peak}");
+      section.require("y", made.mark, "{x: 1.2, y: 0.8, label: peak}");
+    }
+    for (const FigureWord& word : words.words)
+      if (word.needed) section.require(word.name, made.mark, fmt::format("{}: ... ({})", word.name, word.doc));
+  }
+
+  void check_labels(const Section& section, const FigureBlock& made) {
+    const FigureEntry* labels = made.find("labels");
+    const Node* curves = section.find("y");
+    if (!labels || !curves) return;
+    const std::size_t n = curves->is_sequence() ? curves->items.size() : 1;
+    if (labels->texts.size() == n) return;
+    report_
+        .error(labels->mark, "'labels' has one text for each entry of 'y', {} in all; here is {}", n,
+               describe(*section.find("labels")))
         .named("kind");
-    return;
   }
-  if (panel.y.size() != n) return;  // reported
-  for (std::size_t i = 0; i < n; ++i) {
-    if (require_text(labels->items[i], "a label", report)) {
-      panel.y[i].label = plain_text(labels->items[i], "a label", report);
+
+  FigureEntry entry(const Node& node, const FigureWord& word) {
+    FigureEntry made;
+    made.word = &word;
+    made.mark = node.mark;
+    const std::string key = fmt::format("'{}'", word.name);
+    switch (word.kind) {
+      case Kind::text:
+        if (require_text(node, key, report_)) made.text = plain_text(node, key, report_);
+        break;
+      case Kind::texts:
+        read_texts(node, word, made);
+        break;
+      case Kind::number:
+        made.numbers = {number(node, word)};
+        break;
+      case Kind::numbers:
+        read_numbers(node, word, made);
+        break;
+      case Kind::limits:
+        read_limits(node, word, made);
+        break;
+      case Kind::flag:
+        made.flag = to_boolean(node, word.name, false, report_);
+        break;
+      case Kind::choice:
+        made.text = to_choice(node, word.name, word.choices, report_);
+        break;
+      case Kind::color:
+        read_color(node, word, made);
+        break;
+      case Kind::signal:
+        made.signal = parse_expression(node, report_);
+        break;
+      case Kind::signals:
+        read_signals(node, word, made);
+        break;
+      case Kind::column:
+      case Kind::grid:
+        read_column(node, word, made);
+        break;
+      case Kind::axis:
+        if (node.is_scalar())
+          made.text = plain_text(node, key, report_);
+        else
+          made.parts.push_back(block(node, *word.parts, "the x axis"));
+        break;
+      case Kind::list:
+        read_list(node, word, made);
+        break;
+      case Kind::plot:
+        for (const Node* item : one_or_all(node))
+          made.parts.push_back(block(*item, *word.parts, std::string(word.name)));
+        break;
+    }
+    return made;
+  }
+
+  static std::vector<const Node*> one_or_all(const Node& node) {
+    if (!node.is_sequence()) return {&node};
+    std::vector<const Node*> all;
+    for (const Node& item : node.items) all.push_back(&item);
+    return all;
+  }
+
+  // Numbers that are written as such are held to their bounds here.
+  ExpressionPtr number(const Node& node, const FigureWord& word) {
+    ExpressionPtr tree = parse_expression(node, report_);
+    const bool negative = tree && tree->kind == Expression::Kind::unary && tree->text == "-";
+    const Expression* plain = negative ? tree->arguments[0].get() : tree.get();
+    if (!plain || plain->kind != Expression::Kind::number) return tree;
+    const double value = negative ? -plain->number : plain->number;
+    const bool fits = value >= word.least && value <= word.most && (!word.whole || value == static_cast<long>(value));
+    if (fits) return tree;
+    const std::string kind = word.whole ? "a whole number" : "a number";
+    const std::string range = word.most < 1e300 ? fmt::format("from {:g} to {:g}", word.least, word.most)
+                                                : fmt::format("of at least {:g}", word.least);
+    report_.error(node.mark, "'{}' is {} {}; here is {}", word.name, kind, range, describe(node)).named("range");
+    return nullptr;
+  }
+
+  void read_texts(const Node& node, const FigureWord& word, FigureEntry& made) {
+    for (const Node* item : one_or_all(node)) {
+      const std::string what = fmt::format("an entry of '{}'", word.name);
+      if (require_text(*item, what, report_)) made.texts.push_back(plain_text(*item, what, report_));
     }
   }
-}
 
-FigureLine read_line(const Node& node, Report& report) {
-  FigureLine line;
-  const Section section(node, "a line", {"x", "y", "label"}, report);
-  if (section && !section.find("x") == !section.find("y")) {
-    report.error(node.mark, "a line has either x or y").hint("for example {y: 1.5, label: limit}").named("missing-key");
+  void read_numbers(const Node& node, const FigureWord& word, FigureEntry& made) {
+    if (!node.is_sequence() || node.items.size() != word.count) {
+      report_.error(node.mark, "'{}' are {} numbers, {}; here is {}", word.name, word.count, word.doc, describe(node))
+          .named("kind");
+      return;
+    }
+    for (const Node& item : node.items) made.numbers.push_back(parse_expression(item, report_));
   }
-  line.x = section.expression("x");
-  line.y = section.expression("y");
-  line.label = section.text("label");
-  return line;
-}
 
-FigureBand read_band(const Node& node, Report& report) {
-  FigureBand band;
-  const Section section(node, "a band", {"lower", "upper", "from", "until", "label"}, report);
-  section.require("lower", node.mark, "{lower: 0.98, upper: 1.02}");
-  section.require("upper", node.mark, "{lower: 0.98, upper: 1.02}");
-  band.lower = section.expression("lower");
-  band.upper = section.expression("upper");
-  band.from = section.expression("from");
-  band.until = section.expression("until");
-  band.label = section.text("label");
-  return band;
-}
-
-// The entries of a list, each read by `read`.
-template <typename Read>
-auto read_list(const Section& section, std::string_view key, Report& report, Read read) {
-  std::vector<decltype(read(std::declval<const Node&>(), report))> list;
-  const Node* node = section.find(key);
-  if (!node) return list;
-  if (!node->is_sequence()) {
-    report.error(node->mark, "'{}' is a list, here is {}", key, describe(*node)).named("kind");
-    return list;
+  void read_limits(const Node& node, const FigureWord& word, FigureEntry& made) {
+    if (!node.is_sequence() || node.items.size() != 2) {
+      report_.error(node.mark, "'{}' are two numbers, [lower, upper]; here is {}", word.name, describe(node))
+          .named("kind");
+      return;
+    }
+    for (const Node& item : node.items) {
+      const bool open = item.is_scalar() && item.text == "auto";
+      made.numbers.push_back(open ? nullptr : parse_expression(item, report_));
+    }
   }
-  for (const Node& item : node->items) list.push_back(read(item, report));
-  return list;
-}
 
-FigurePanel read_panel(const Node& node, Report& report) {
-  FigurePanel panel;
-  panel.mark = node.mark;
-  const Section section(
-      node, "a panel",
-      {"y", "x", "label", "labels", "x_label", "limits", "scale", "right", "right_label", "lines", "bands", "equal"},
-      report);
-  section.require("y", node.mark, "panels: [{y: [r, y]}]");
-  panel.y = read_signals(section.find("y"), report);
-  read_labels(section, panel, report);
-  panel.right = read_signals(section.find("right"), report);
-  panel.x.mark = node.mark;
-  if (const Node* x = section.find("x")) panel.x = read_signal(*x, report);
-  panel.label = section.text("label");
-  panel.x_label = section.text("x_label");
-  panel.right_label = section.text("right_label");
-  panel.scale = section.choice("scale", {"linear", "log"}, "linear");
-  read_limits(section, panel.lower_limit, panel.upper_limit, report);
-  panel.lines = read_list(section, "lines", report, read_line);
-  panel.bands = read_list(section, "bands", report, read_band);
-  panel.equal = section.boolean("equal", false);
-  return panel;
-}
+  void read_color(const Node& node, const FigureWord& word, FigureEntry& made) {
+    if (node.is_scalar() && color_number(node.text)) {
+      made.text = node.text;
+      return;
+    }
+    const std::vector<std::string> names(word.choices.begin(), word.choices.end());
+    Finding& finding = report_.error(node.mark, "'{}' is a colour: {}, or \"#RRGGBB\"; here is {}", word.name,
+                                     fmt::join(names.begin(), names.end(), ", "), describe(node));
+    finding.named("choice");
+    const std::string near = node.is_scalar() ? nearest(node.text, names) : std::string();
+    if (!near.empty()) finding.hint(fmt::format("did you mean '{}'?", near));
+  }
 
-FigureDecl read_figure(const std::string& name, const Mark& mark, const Node& node, Report& report) {
-  FigureDecl figure;
-  figure.name = name;
-  figure.mark = mark;
-  check_name(name, mark, "figure", report);
-  const Section section(node, fmt::format("figure '{}'", name), {"title", "x", "theme", "width", "panels"}, report);
-  figure.title = section.text("title");
-  figure.theme = section.choice("theme", {"light", "dark", "print"}, "");
-  figure.width = section.expression("width");
-  if (const Node* x = section.find("x"); x && x->is_scalar()) {
-    figure.x_label = plain_text(*x, "'x'", report);
-  } else if (x) {
-    const Section axis(*x, "the x axis", {"label", "limits"}, report);
-    figure.x_label = axis.text("label");
-    read_limits(axis, figure.x_lower, figure.x_upper, report);
+  void read_signals(const Node& node, const FigureWord& word, FigureEntry& made) {
+    if (node.is_sequence() && node.items.empty())
+      report_.error(node.mark, "a panel shows at least one signal").named("missing-key");
+    for (const Node* item : one_or_all(node)) {
+      FigureBlock curve{word.parts, item->mark, {}};
+      if (item->is_mapping()) {
+        curve = block(*item, *word.parts, "a curve");
+      } else {
+        curve.entries.push_back(entry(*item, *word.parts->find("signal")));
+      }
+      made.parts.push_back(std::move(curve));
+    }
   }
-  section.require("panels", mark, "panels: [{y: [r, y], label: \"position [m]\"}]");
-  figure.panels = read_list(section, "panels", report, read_panel);
-  if (section.find("panels") && section.find("panels")->is_sequence() && figure.panels.empty()) {
-    report.error(section.mark_of("panels"), "figure '{}' has no panels", name).named("missing-key");
+
+  void read_column(const Node& node, const FigureWord& word, FigureEntry& made) {
+    const bool grid = word.kind == Kind::grid;
+    const bool rows = node.is_sequence() && !node.items.empty() && node.items[0].is_sequence();
+    const bool is_number = node.is_scalar() && parse_number(node.text);
+    if (grid && rows) {
+      made.columns = node.items[0].items.size();
+      for (const Node& row : node.items) {
+        if (!row.is_sequence() || row.items.size() != made.columns) {
+          report_
+              .error(row.mark, "every row of '{}' has {} numbers like the first; here is {}", word.name, made.columns,
+                     describe(row))
+              .named("kind");
+          return;
+        }
+        for (const Node& item : row.items) made.numbers.push_back(parse_expression(item, report_));
+      }
+    } else if (!grid && (node.is_sequence() || is_number)) {
+      for (const Node* item : one_or_all(node)) made.numbers.push_back(parse_expression(*item, report_));
+    } else if (node.is_mapping()) {
+      report_
+          .error(node.mark, "'{}' is {}, here is a mapping", word.name,
+                 grid ? "rows of numbers or signals" : "a list of numbers or a signal")
+          .named("kind");
+    } else {
+      made.signal = parse_expression(node, report_);
+    }
   }
-  return figure;
+
+  void read_list(const Node& node, const FigureWord& word, FigureEntry& made) {
+    if (!node.is_sequence()) {
+      report_.error(node.mark, "'{}' is a list, here is {}", word.name, describe(node)).named("kind");
+      return;
+    }
+    for (const Node& item : node.items) made.parts.push_back(block(item, *word.parts, std::string(word.parts->what)));
+  }
+};
+
+// Walks all blocks of a figure.
+template <typename Visit>
+void visit(const FigureBlock& block, const Visit& visit_entry) {
+  for (const FigureEntry& entry : block.entries) {
+    visit_entry(entry);
+    for (const FigureBlock& part : entry.parts) visit(part, visit_entry);
+  }
 }
 
 }  // namespace
 
-std::vector<FigureDecl> read_figures(const Node& node, Report& report) {
+const PlotWords& no_plots() {
+  static const PlotWords none;
+  return none;
+}
+
+const FigureEntry* FigureBlock::find(std::string_view name) const {
+  for (const FigureEntry& entry : entries)
+    if (entry.word->name == name) return &entry;
+  return nullptr;
+}
+
+std::string FigureBlock::text(std::string_view name) const {
+  const FigureEntry* entry = find(name);
+  return entry ? entry->text : std::string();
+}
+
+bool FigureBlock::flag(std::string_view name) const {
+  const FigureEntry* entry = find(name);
+  return entry && entry->flag;
+}
+
+ExpressionPtr FigureBlock::number(std::string_view name) const {
+  const FigureEntry* entry = find(name);
+  return entry && !entry->numbers.empty() ? entry->numbers[0] : nullptr;
+}
+
+const std::vector<FigureBlock>& FigureBlock::parts(std::string_view name) const {
+  static const std::vector<FigureBlock> none;
+  const FigureEntry* entry = find(name);
+  return entry ? entry->parts : none;
+}
+
+std::vector<ExpressionPtr> FigureDecl::signals() const {
+  std::vector<ExpressionPtr> all;
+  visit(says, [&](const FigureEntry& entry) {
+    if (entry.signal) all.push_back(entry.signal);
+  });
+  return all;
+}
+
+std::vector<ExpressionPtr> FigureDecl::numbers() const {
+  std::vector<ExpressionPtr> all;
+  visit(says, [&](const FigureEntry& entry) {
+    for (const ExpressionPtr& number : entry.numbers)
+      if (number) all.push_back(number);
+  });
+  return all;
+}
+
+std::vector<FigureDecl> read_figures(const Node& node, const PlotWords& plots, Report& report) {
   std::vector<FigureDecl> figures;
   if (!node.is_mapping()) {
     report.error(node.mark, "'figures' is a mapping from names to figures, here is {}", describe(node)).named("kind");
     return figures;
   }
-  for (std::size_t i = 0; i < node.items.size(); ++i) {
-    figures.push_back(read_figure(node.keys[i], node.key_marks[i], node.items[i], report));
-  }
+  Reader reader(plots, report);
+  for (std::size_t i = 0; i < node.items.size(); ++i)
+    figures.push_back(reader.figure(node.keys[i], node.key_marks[i], node.items[i]));
   return figures;
 }
 

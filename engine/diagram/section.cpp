@@ -36,6 +36,9 @@ std::string suggested_name(std::string_view name) {
 }  // namespace
 
 Section::Section(const Node& node, std::string what, std::initializer_list<std::string_view> keys, Report& report)
+    : Section(node, std::move(what), strings(keys), report) {}
+
+Section::Section(const Node& node, std::string what, const std::vector<std::string>& keys, Report& report)
     : node_(node), what_(std::move(what)), report_(report), valid_(node.is_mapping()) {
   if (!valid_) {
     report.error(node.mark, "{} is a mapping, here is {}", what_, describe(node)).named("kind");
@@ -46,10 +49,10 @@ Section::Section(const Node& node, std::string what, std::initializer_list<std::
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     has_unknown_keys_ = true;
     Finding& finding = report.error(node.key_marks[i], "{} has no key '{}'", what_, key).named("unknown-key");
-    std::string near = nearest(key, strings(keys));
+    std::string near = nearest(key, keys);
     const std::string home = home_of(key);
     if (near.empty() && !home.empty()) finding.hint(fmt::format("'{}' belongs to {}", key, home));
-    finding.suggest(key, strings(keys));
+    finding.suggest(key, keys);
     if (!near.empty()) meant_.push_back(std::move(near));
   }
 }
@@ -83,13 +86,8 @@ std::string Section::choice(std::string_view key, std::initializer_list<std::str
                             std::string fallback) const {
   const Node* node = find(key);
   if (!node) return fallback;
-  if (node->is_scalar() && std::find(choices.begin(), choices.end(), node->text) != choices.end()) return node->text;
-  const std::string all = fmt::format("{}", fmt::join(choices.begin(), choices.end(), ", "));
-  Finding& finding =
-      report_.error(node->mark, "'{}' is one of {}; here is {}", key, all, describe(*node)).named("choice");
-  const std::string near = node->is_scalar() ? nearest(node->text, strings(choices)) : std::string();
-  if (!near.empty()) finding.hint(fmt::format("did you mean '{}'?", near));
-  return fallback;
+  std::string chosen = to_choice(*node, key, choices, report_);
+  return chosen.empty() ? fallback : chosen;
 }
 
 bool Section::boolean(std::string_view key, bool fallback) const {
@@ -164,6 +162,17 @@ bool to_boolean(const Node& node, std::string_view key, bool fallback, Report& r
   const std::string_view meant = node.is_scalar() ? truth(node.text) : std::string_view();
   if (!meant.empty()) finding.hint(fmt::format("write {}", meant));
   return fallback;
+}
+
+std::string to_choice(const Node& node, std::string_view key, const std::vector<std::string_view>& choices,
+                      Report& report) {
+  if (node.is_scalar() && std::find(choices.begin(), choices.end(), node.text) != choices.end()) return node.text;
+  const std::vector<std::string> all(choices.begin(), choices.end());
+  Finding& finding = report.error(node.mark, "'{}' is one of {}; here is {}", key, fmt::join(all, ", "), describe(node))
+                         .named("choice");
+  const std::string near = node.is_scalar() ? nearest(node.text, all) : std::string();
+  if (!near.empty()) finding.hint(fmt::format("did you mean '{}'?", near));
+  return {};
 }
 
 std::optional<long> to_integer(const Node& node, std::string_view key, Report& report) {

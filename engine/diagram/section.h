@@ -17,6 +17,7 @@ class Section {
  public:
   // Reports a node that is no mapping, and each key that is none of `keys`.
   Section(const Node& node, std::string what, std::initializer_list<std::string_view> keys, Report& report);
+  Section(const Node& node, std::string what, const std::vector<std::string>& keys, Report& report);
 
   explicit operator bool() const { return valid_; }
   const Node* find(std::string_view key) const { return valid_ ? node_.find(key) : nullptr; }
@@ -53,6 +54,9 @@ std::string with_article(std::string_view what);
 std::string plain_text(const Node& node, std::string_view what, Report& report);
 // `true` or `false`, a whole number; else reported, and the fallback or nothing.
 bool to_boolean(const Node& node, std::string_view key, bool fallback, Report& report);
+// One of the choices; else reported, and empty.
+std::string to_choice(const Node& node, std::string_view key, const std::vector<std::string_view>& choices,
+                      Report& report);
 std::optional<long> to_integer(const Node& node, std::string_view key, Report& report);
 // Reports a unit text that is none.
 void check_unit(const Node& node, Report& report);

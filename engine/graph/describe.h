@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/block.h"
+#include "engine/diagram/figure_words.h"
 
 namespace plantloop {
 
@@ -16,7 +17,8 @@ std::string block_markdown(const BlockType& type);
 std::string catalogue_text();
 std::string catalogue_markdown();
 
-// The JSON schema of diagram files (draft 2020-12), made from the declarations.
-std::string diagram_schema();
+// The JSON schema of diagram files (draft 2020-12), made from the declarations of blocks and, where they are
+// given, of plot types.
+std::string diagram_schema(const PlotWords& plots = no_plots());
 
 }  // namespace plantloop

@@ -299,15 +299,8 @@ class Showing {
       if (at != g_.shown_at.end()) g_.columns.push_back({record.column, at->second, nowhere});
     }
     for (const FigureDecl& figure : m.figures) {
-      numbers({figure.x_lower, figure.x_upper, figure.width});
-      for (const FigurePanel& panel : figure.panels) {
-        for (const FigureSignal& signal : panel.y) show(signal.signal, with_columns(signal.signal));
-        for (const FigureSignal& signal : panel.right) show(signal.signal, with_columns(signal.signal));
-        show(panel.x.signal, with_columns(panel.x.signal));
-        numbers({panel.lower_limit, panel.upper_limit});
-        for (const FigureLine& line : panel.lines) numbers({line.x, line.y});
-        for (const FigureBand& band : panel.bands) numbers({band.lower, band.upper, band.from, band.until});
-      }
+      for (const ExpressionPtr& signal : figure.signals()) show(signal, with_columns(signal));
+      for (const ExpressionPtr& number : figure.numbers()) numbers({number});
     }
     for (const ExpectDecl& x : m.expect) {
       show(x.signal, with_columns(x.signal));

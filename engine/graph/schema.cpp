@@ -170,13 +170,100 @@ std::string block_definition() {
   return Object().add("anyOf", "[" + reference("expression") + "," + mapping + "]").text();
 }
 
+// ---- figures
+
+// "a panel" -> "figure_panel"
+std::string definition_name(const FigureWords& words) {
+  const std::size_t blank = words.what.find(' ');
+  return "figure_" + std::string(words.what.substr(blank == std::string_view::npos ? 0 : blank + 1));
+}
+
+std::string any_of(std::initializer_list<std::string> schemas) {
+  return fmt::format("\"anyOf\":[{}]", fmt::join(schemas.begin(), schemas.end(), ","));
+}
+
+std::string list_of(const std::string& items) {
+  return Object().add("type", quoted("array")).add("items", items).text();
+}
+
+std::string schema_of(const FigureWord& word) {
+  using Kind = FigureWord::Kind;
+  const std::string number = reference("expression"), text = R"({"type":"string"})";
+  const std::string parts = word.parts ? reference(definition_name(*word.parts)) : "";
+  std::string says;
+  switch (word.kind) {
+    case Kind::text:
+      says = R"("type":"string")";
+      break;
+    case Kind::texts:
+      says = any_of({text, list_of(text)});
+      break;
+    case Kind::number:
+    case Kind::signal:
+      says = "\"$ref\":\"#/$defs/expression\"";
+      break;
+    case Kind::numbers:
+    case Kind::limits:
+      says = R"("type":"array")";
+      break;
+    case Kind::flag:
+      says = R"("type":"boolean")";
+      break;
+    case Kind::choice:
+      says = "\"enum\":" + of_strings({word.choices.begin(), word.choices.end()});
+      break;
+    case Kind::color:
+      says = any_of({"{\"enum\":" + of_strings({word.choices.begin(), word.choices.end()}) + "}",
+                     R"({"type":"string","pattern":"^#[0-9a-fA-F]{3,8}$"})"});
+      break;
+    case Kind::signals:
+      says = any_of({number, parts, list_of("{" + any_of({number, parts}) + "}")});
+      break;
+    case Kind::column:
+    case Kind::grid:
+      says = any_of({number, R"({"type":"array"})"});
+      break;
+    case Kind::axis:
+      says = any_of({text, parts});
+      break;
+    case Kind::list:
+      says = "\"type\":\"array\",\"items\":" + parts;
+      break;
+    case Kind::plot:
+      says = any_of({parts, list_of(parts)});
+      break;
+  }
+  return "{" + says + ",\"description\":" + quoted(word.doc) + "}";
+}
+
+void add_figures(Object& definitions, const PlotWords& plots) {
+  const auto add = [&](const FigureWords& words, bool with_plots) {
+    Object properties;
+    for (const FigureWord& word : words.words) properties.add(word.name, schema_of(word));
+    if (with_plots)
+      for (const FigureWord& plot : plots) properties.add(plot.name, schema_of(plot));
+    definitions.add(definition_name(words), Object()
+                                                .add("type", quoted("object"))
+                                                .add("properties", properties.text())
+                                                .add("additionalProperties", "false")
+                                                .text());
+  };
+  for (const FigureWords* words :
+       {&figure_words(), &axis_words(), &curve_words(), &line_words(), &band_words(), &remark_words()})
+    add(*words, false);
+  add(panel_words(), true);
+  add(inset_words(), true);
+  for (const FigureWord& plot : plots) add(*plot.parts, false);
+}
+
 }  // namespace
 
-std::string diagram_schema() {
+std::string diagram_schema(const PlotWords& plots) {
   Object definitions;
   add_common(definitions);
   for (const BlockType& type : catalogue()) definitions.add("block_" + std::string(type.name), definition_of(type));
   definitions.add("block", block_definition());
+  add_figures(definitions, plots);
 
   Object simulation;
   for (const char* key : {"stop", "start", "step", "rtol", "atol", "max_step", "output_interval", "event_tol",
@@ -201,7 +288,10 @@ std::string diagram_schema() {
                                    .add("additionalProperties", "false")
                                    .text());
   properties.add("record", R"({"type":["array","object"]})");
-  properties.add("figures", R"({"type":"object"})");
+  properties.add("figures", Object()
+                                .add("type", quoted("object"))
+                                .add("additionalProperties", reference(definition_name(figure_words())))
+                                .text());
   properties.add("expect", R"({"type":"array","items":{"type":"object"}})");
   properties.add("checks", R"({"type":"object"})");
 

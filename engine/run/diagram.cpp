@@ -28,18 +28,19 @@ const SolverInfo* find_solver(std::string_view name) {
 
 }  // namespace
 
-std::shared_ptr<Diagram> Diagram::load(const std::string& path, Report& report) {
+std::shared_ptr<Diagram> Diagram::load(const std::string& path, Report& report, const PlotWords& plots) {
   const double start = seconds();
   auto diagram = std::shared_ptr<Diagram>(new Diagram);
-  diagram->model_ = read_model(path, report);
+  diagram->model_ = read_model(path, report, plots);
   diagram->read_time_ = seconds() - start;
   return diagram->model_ ? diagram : nullptr;
 }
 
-std::shared_ptr<Diagram> Diagram::from_text(const std::string& text, const std::string& path, Report& report) {
+std::shared_ptr<Diagram> Diagram::from_text(const std::string& text, const std::string& path, Report& report,
+                                            const PlotWords& plots) {
   const double start = seconds();
   auto diagram = std::shared_ptr<Diagram>(new Diagram);
-  diagram->model_ = read_model_text(text, path, report);
+  diagram->model_ = read_model_text(text, path, report, plots);
   diagram->read_time_ = seconds() - start;
   return diagram->model_ ? diagram : nullptr;
 }

@@ -81,8 +81,10 @@ SimulationOptions read_settings(const Model& model, const Graph& graph, Report& 
 class Diagram {
  public:
   // Reads the file and what it imports; null when it cannot be read as a diagram at all (the report says why).
-  static std::shared_ptr<Diagram> load(const std::string& path, Report& report);
-  static std::shared_ptr<Diagram> from_text(const std::string& text, const std::string& path, Report& report);
+  // `plots`: the plot types that its figures may use.
+  static std::shared_ptr<Diagram> load(const std::string& path, Report& report, const PlotWords& plots = no_plots());
+  static std::shared_ptr<Diagram> from_text(const std::string& text, const std::string& path, Report& report,
+                                            const PlotWords& plots = no_plots());
 
   const Model& model() const { return *model_; }
   const std::shared_ptr<const Model>& model_pointer() const { return model_; }

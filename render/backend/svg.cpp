@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <utility>
@@ -48,6 +49,7 @@ class Writer {
     std::string head = std::move(out_);
     out_.clear();
     put("<path fill=\"{}\" d=\"M0 0H{}V{}H0z\"/>\n", color(scene.background), scene.width, scene.height);
+    selectable_ = scene.selectable_text;
     group(scene.root);
     out_ += "</svg>\n";
     std::string body = std::move(out_);
@@ -58,6 +60,7 @@ class Writer {
 
  private:
   std::string out_;
+  bool selectable_ = false;
   std::map<Rect, int, bool (*)(const Rect&, const Rect&)> clips_{[](const Rect& a, const Rect& b) {
     return std::tuple(a.left, a.top, a.right, a.bottom) < std::tuple(b.left, b.top, b.right, b.bottom);
   }};
@@ -177,7 +180,21 @@ class Writer {
       }
       out_ += "</g>";
     }
+    if (selectable_) reading(text);
     out_ += "</g>\n";
+  }
+
+  // The words once more, unseen, as long as the outlines.
+  void reading(const TextRun& text) {
+    Fixed size = 0;
+    for (const GlyphRun& run : text.runs) size = std::max(size, run.size);
+    const Fixed length = text.turns % 2 == 0 ? text.box.right - text.box.left : text.box.bottom - text.box.top;
+    if (size <= 0 || length <= 0) return;
+    out_ += "<text fill-opacity=\"0\" font-family=\"sans-serif\" font-size=\"";
+    number(hundredths(size), true);
+    out_ += "\" textLength=\"";
+    number(hundredths(length), true);
+    put("\" lengthAdjust=\"spacingAndGlyphs\">{}</text>", escaped(text.source));
   }
 
   void item(const Group& g) { group(g); }

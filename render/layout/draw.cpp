@@ -33,6 +33,7 @@ class Drawing {
 
   Scene scene() {
     Scene scene;
+    scene.selectable_text = plan_.figure->selectable_text;
     scene.title = plan_.figure->title;
     scene.width = plan_.width;
     scene.height = plan_.height;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "render/layout/plan.h"
 
@@ -10,6 +11,35 @@ namespace {
 
 // The room for numbers beside an inset's box.
 constexpr double left_room = 52, right_room = 22, top_room = 14, bottom_room = 34;
+
+// Where the least is covered: in the corners and the middles of the sides, else anywhere; smaller where that helps.
+Box freest(const PanelPlan& panel, const Occupancy& map, double u) {
+  const Box& b = panel.box;
+  Box best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto take = [&](const Box& box, double cost) {
+    if (cost >= least) return;
+    least = cost;
+    best = box;
+  };
+  for (const double size : {1.0, 0.85, 0.7}) {
+    const double width = 0.4 * size * b.width() + (left_room + right_room) * u;
+    const double height = 0.38 * size * b.height() + (top_room + bottom_room) * u;
+    double cost = 0;
+    const Box corner = emptiest(panel, map, width, height, 0, cost);
+    take(corner, cost);
+    constexpr int steps = 16;
+    for (int row = 1; row < steps && least > 0; ++row)
+      for (int column = steps - 1; column > 0; --column) {
+        const double left = b.left + (b.width() - width) * column / steps;
+        const double top = b.top + (b.height() - height) * row / steps;
+        const Box box{left, top, left + width, top + height};
+        take(box, map.covered(box.grown(3)));
+      }
+    if (least == 0) break;
+  }
+  return best;
+}
 
 Box box_of(const Plan& plan, const PanelPlan& panel, const Panel& inset) {
   const Box& b = panel.box;
@@ -22,12 +52,9 @@ Box box_of(const Plan& plan, const PanelPlan& panel, const Panel& inset) {
     return {snap(left), snap(bottom - std::clamp(p.height, 0.1, 1.0) * b.height()),
             snap(left + std::clamp(p.width, 0.1, 1.0) * b.width()), snap(bottom)};
   }
-  const double width = 0.4 * b.width(), height = 0.38 * b.height();
-  double cost = 0;
   Occupancy map = map_of(panel);
   if (panel.key.kind == KeyKind::inside) map.add_box(panel.key.box, 100);
-  const Box whole =
-      emptiest(panel, map, width + (left_room + right_room) * u, height + (top_room + bottom_room) * u, 0, cost);
+  const Box whole = freest(panel, map, u);
   return {snap(whole.left + left_room * u), snap(whole.top + top_room * u), snap(whole.right - right_room * u),
           snap(whole.bottom - bottom_room * u)};
 }

@@ -116,6 +116,17 @@ double widest(const std::vector<Label>& labels) {
   return result;
 }
 
+// The box in the corner that was asked for.
+Box corner(const PanelPlan& panel, double width, double height, double margin) {
+  const Legend wish = panel.panel->legend;
+  const Box& b = panel.box;
+  const double left =
+      wish == Legend::top_left || wish == Legend::bottom_left ? b.left + margin : b.right - margin - width;
+  const double top =
+      wish == Legend::top_left || wish == Legend::top_right ? b.top + margin : b.bottom - margin - height;
+  return {left, top, left + width, top + height};
+}
+
 }  // namespace
 
 double end_label_width(const PanelPlan& panel) {
@@ -125,10 +136,12 @@ double end_label_width(const PanelPlan& panel) {
 void choose_end_labels(const Plan& plan, PanelPlan& panel) {
   KeyPlan& key = panel.key;
   key = {};
+  const Legend wish = panel.panel->legend;
+  if (wish == Legend::none) return;
   key.entries = labelled(panel);
   if (key.entries.empty()) return;
   key.kind = KeyKind::inside;
-  if (panel.twin || key.entries.size() > 8) return;
+  if (wish != Legend::automatic || panel.twin || key.entries.size() > 8) return;
   std::vector<double> heights;
   for (const std::size_t i : key.entries) heights.push_back(end_height(panel, panel.series[i]));
   if (std::any_of(heights.begin(), heights.end(), [](double h) { return std::isnan(h); })) return;
@@ -151,21 +164,26 @@ void choose_legend(const Plan& plan, PanelPlan& panel) {
   const double count = static_cast<double>(key.entries.size());
 
   set_key_labels(plan, panel, 0.45 * panel.box.width());
-  key.row = s.row;
+  // Fractions are higher than a row of letters.
+  double row = s.row;
+  for (const Label& label : key.labels) row = std::max(row, 1.15 * (label.bottom - label.top));
+  key.row = row;
   key.column = before + widest(key.labels);
   key.columns = 1;
-  double height = count * s.row;
+  double height = count * row;
   if (height > 0.5 * panel.box.height() && count <= 12) {
     key.columns = 2;
-    height = std::ceil(count / 2) * s.row;
+    height = std::ceil(count / 2) * row;
   }
   const double width = key.columns * key.column + (key.columns - 1) * s.between;
-  if (height <= 0.6 * panel.box.height() && width <= 0.7 * panel.box.width()) {
+  const Legend wish = panel.panel->legend;
+  const bool outside = wish == Legend::above || wish == Legend::beside;
+  if (!outside && height <= 0.6 * panel.box.height() && width <= 0.7 * panel.box.width()) {
     double cost = 0;
     const Occupancy map = map_of(panel);
     const double pad = 0.5 * plan.theme->text_size * plan.unit;
     key.box = emptiest(panel, map, width + 2 * pad, height + 2 * pad, 0.6 * plan.theme->text_size * plan.unit, cost);
-    if (cost == 0) {
+    if (cost == 0 || wish != Legend::automatic) {
       key.kind = KeyKind::inside;
       return;
     }
@@ -177,11 +195,11 @@ void choose_legend(const Plan& plan, PanelPlan& panel) {
   const double room = panel.box.width() + s.between;
   key.columns = std::max(1, std::min(static_cast<int>(room / (key.column + s.between)), static_cast<int>(count)));
   const int rows = static_cast<int>(std::ceil(count / key.columns));
-  const bool few = rows <= 3 && rows * s.row < 0.3 * panel.box.height();
-  const int per_column = std::max(1, static_cast<int>(panel.box.height() / s.row));
-  if (few || panel.twin || per_column < 6) {
+  const bool few = rows <= 3 && rows * row < 0.3 * panel.box.height();
+  const int per_column = std::max(1, static_cast<int>(panel.box.height() / row));
+  if (wish == Legend::above || (wish != Legend::beside && (few || panel.twin || per_column < 6))) {
     key.kind = KeyKind::above;
-    const int most_rows = std::max(few ? rows : 1, static_cast<int>(0.4 * panel.box.height() / s.row));
+    const int most_rows = std::max(few ? rows : 1, static_cast<int>(0.4 * panel.box.height() / row));
     cut_key(plan, key, static_cast<std::size_t>(key.columns * most_rows));
     // As even as the number of rows allows.
     const double shown = static_cast<double>(key.labels.size());
@@ -211,12 +229,14 @@ void place_key(const Plan& plan, PanelPlan& panel) {
     panel.end_label_y = spread(heights, 1.25 * plan.theme->text_size * plan.unit);
   } else if (key.kind == KeyKind::inside) {
     double cost = 0;
-    key.box = emptiest(panel, map_of(panel), key.box.width(), key.box.height(), 0.6 * plan.theme->text_size * plan.unit,
-                       cost);
+    const double margin = 0.6 * plan.theme->text_size * plan.unit;
+    key.box = panel.panel->legend == Legend::automatic
+                  ? emptiest(panel, map_of(panel), key.box.width(), key.box.height(), margin, cost)
+                  : corner(panel, key.box.width(), key.box.height(), margin);
   } else if (key.kind == KeyKind::above) {
     const double rows = std::ceil(static_cast<double>(key.labels.size()) / key.columns);
     const double bottom = b.top - 0.5 * s.row - (panel.y_note.empty() && panel.right_note.empty() ? 0 : 0.8 * s.row);
-    key.box = {b.left, bottom - rows * s.row, b.right, bottom};
+    key.box = {b.left, bottom - rows * key.row, b.right, bottom};
   } else if (key.kind == KeyKind::beside) {
     const double left = plan.width - 1.2 * s.row - key.columns * key.column - (key.columns - 1) * s.between;
     key.box = {left, b.top, plan.width - 1.2 * s.row, b.bottom};

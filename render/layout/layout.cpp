@@ -231,7 +231,9 @@ void set_boxes(Plan& plan) {
 
 }  // namespace
 
-Scene layout(const Figure& figure) {
+Scene layout(const Figure& given) {
+  const std::optional<Figure> converted = in_units(given);
+  const Figure& figure = converted ? *converted : given;
   Plan plan = begin(figure);
   add_panels(plan);
   // Boxes need the widths of the numbers, numbers need the sizes of the boxes: twice round is enough.

@@ -28,13 +28,16 @@ SeriesPlan plan_series(const Plan& plan, const Series& series, bool right, const
   result.series = &series;
   result.right = right;
   result.color = look.color.value_or(ink_of(*plan.theme, look, style.color));
-  result.text_color = readable_on(plan.theme->background, result.color, 4.5);
-  if (look.opacity < 1)
-    result.color.a = static_cast<std::uint8_t>(std::lround(255 * std::clamp(look.opacity, 0.0, 1.0)));
   const double point = 152.4 / 72;  // in sixths of a millimetre
   const double own = result.is_guide() ? plan.theme->reference_width : plan.theme->line_width;
   const bool plain = look.color || look.ink != Ink::palette;
-  result.width = plan.unit * (look.width > 0 ? look.width * point : own * (plain ? 1.0 : style.widen));
+  const double width = look.width > 0 ? look.width * point : own * (plain ? 1.0 : style.widen);
+  // A pale colour of the palette carries a thin line only when it is darkened.
+  if (!plain && width < 2.4) result.color = readable_on(plan.theme->background, result.color, 3.0);
+  result.text_color = readable_on(plan.theme->background, result.color, 4.5);
+  if (look.opacity < 1)
+    result.color.a = static_cast<std::uint8_t>(std::lround(255 * std::clamp(look.opacity, 0.0, 1.0)));
+  result.width = plan.unit * width;
   result.mark_radius = look.size > 0                   ? 0.5 * look.size * point * plan.unit
                        : look.style == LineStyle::none ? 3.6 * plan.unit
                                                        : std::max(3.2 * plan.unit, 1.6 * result.width);

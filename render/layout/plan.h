@@ -113,6 +113,9 @@ struct Plan {
   LabelStyle remark_style() const { return {0.93 * theme->text_size * unit, false, false}; }
 };
 
+// seconds.cpp: the figure with its axes of time in the units asked for; nothing when there are none.
+std::optional<Figure> in_units(const Figure& figure);
+
 // panels.cpp: the plan of one panel, its series with their colours.
 PanelPlan plan_panel(const Plan& plan, const Panel& panel);
 

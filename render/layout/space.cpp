@@ -59,6 +59,7 @@ class View {
     walls();
     contents();
     numbers();
+    names();
     if (panel_.bar) draw_bar(group_, plan_, panel_, panel_.box.right, role_);
   }
 
@@ -73,6 +74,8 @@ class View {
   Ruler x_, y_, z_;
   double cos_a_ = 1, sin_a_ = 0, cos_e_ = 1, sin_e_ = 0, high_ = 0.7, scale_ = 1;
   Spot middle_;
+  std::vector<Box> taken_;  // by numbers and labels
+  std::vector<std::pair<std::size_t, Spot>> ends_;
   // Of each axis the end that is far from the eye, -1 or 1.
   double far_x_ = 1, far_y_ = 1;
 
@@ -165,7 +168,6 @@ class View {
 
   void numbers() {
     const double size = theme_.text_size * u_, half = 0.5 * cap_height * size;
-    std::vector<Box> taken;
     const auto along = [&](const Ruler& ruler, const SpaceAxis& axis, const char* name, auto&& place_of) {
       Group& ticks = group_.group(fmt::format("{}/{}/numbers", role_, name));
       const Spot begin = project(place_of(-1)), end = project(place_of(1)), center = project({0, 0, -1});
@@ -184,8 +186,9 @@ class View {
         const double x = at.x + (out.x > 0 ? 4 * u_ : -4 * u_ - label.width);
         const double y = at.y + (8 * u_ + half) * std::max(out.y, 0.3) + half;
         const Box box{x, y - size, x + label.width, y + 0.2 * size};
-        if (std::any_of(taken.begin(), taken.end(), [&](const Box& o) { return o.grown(3 * u_).meets(box); })) continue;
-        taken.push_back(box);
+        if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& o) { return o.grown(3 * u_).meets(box); }))
+          continue;
+        taken_.push_back(box);
         ticks.add({place(label, x, y, 0, theme_.muted, theme_.background)});
       }
       std::string words = axis.label;
@@ -199,10 +202,11 @@ class View {
                                   std::max(plan_.width - 6 * u_ - label.width, 6 * u_));
       const double y = std::min(at.y + reach * out.y + half, plan_.height - 8 * u_);
       const Box box{x, y - size, x + label.width, y + 0.25 * size};
-      const bool hit = std::any_of(taken.begin(), taken.end(), [&](const Box& o) { return o.meets(box); });
-      if (!hit)
-        group_.group(fmt::format("{}/{}/label", role_, name))
-            .add({place(label, x, y, 0, theme_.text, theme_.background)});
+      const bool hit = std::any_of(taken_.begin(), taken_.end(), [&](const Box& o) { return o.meets(box); });
+      if (hit) return;
+      taken_.push_back(box);
+      group_.group(fmt::format("{}/{}/label", role_, name))
+          .add({place(label, x, y, 0, theme_.text, theme_.background)});
     };
     along(x_, space_.x, "x", [&](double v) { return Vec3{v, -far_y_, -1}; });
     along(y_, space_.y, "y", [&](double v) { return Vec3{-far_x_, v, -1}; });
@@ -219,7 +223,9 @@ class View {
       const Label label = set_label(tick.label, plan_.tick_style());
       // The foot of the edge belongs to the numbers of the floor.
       if (at.y > lowest - 1.2 * theme_.text_size * u_) continue;
-      ticks.add({place(label, at.x - 9 * u_ - label.width, at.y + half, 0, theme_.muted, theme_.background)});
+      const double x = at.x - 9 * u_ - label.width, y = at.y + half;
+      taken_.push_back({x, y + label.top, x + label.width, y + label.bottom});
+      ticks.add({place(label, x, y, 0, theme_.muted, theme_.background)});
       top = std::min(top, at.y);
       left = std::min(left, at.x - 9 * u_ - label.width);
     }
@@ -328,21 +334,34 @@ class View {
     for (const Surface& s : space_.surfaces) draw_surface(own, s, all);
     for (const Piece& p : all)
       if (!p.hidden) add(own, p);
-    names(all);
+    find_ends(all);
   }
 
-  // At the last piece of each curve.
-  void names(const std::vector<Piece>& all) {
+  // Where the last piece of each curve ends.
+  void find_ends(const std::vector<Piece>& all) {
     for (std::size_t c = 0; c < space_.curves.size(); ++c) {
       if (space_.curves[c].label.empty()) continue;
       const auto last =
           std::find_if(all.rbegin(), all.rend(), [&](const Piece& p) { return p.curve == c && !p.hidden; });
-      if (last == all.rend()) continue;
-      const Label label = set_label_within(space_.curves[c].label, plan_.remark_style(), 0.3 * panel_.box.width());
-      const double x = std::min(last->to.x + 8 * u_, plan_.width - 4 * u_ - label.width);
-      group_.group(role_ + "/labels")
-          .add({place(label, x, last->to.y - 6 * u_, 0, readable_on(theme_.background, curve_color(c), 4.5),
-                      theme_.background)});
+      if (last != all.rend()) ends_.emplace_back(c, last->to);
+    }
+  }
+
+  // Above the curve's end, else some rows further up or down; without a name where others stand all around.
+  void names() {
+    for (const auto& [curve, end] : ends_) {
+      const Label label = set_label_within(space_.curves[curve].label, plan_.remark_style(), 0.3 * panel_.box.width());
+      const double x = std::min(end.x + 8 * u_, plan_.width - 4 * u_ - label.width);
+      for (const int rows : {0, -1, 1, -2, 2, -3, 3}) {
+        const double y = end.y - 6 * u_ + 1.3 * rows * label.size;
+        const Box box{x + label.left, y + label.top, x + label.right, y + label.bottom};
+        if (box.top < 0 || box.bottom > plan_.height) continue;
+        if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& other) { return box.meets(other); })) continue;
+        taken_.push_back(box);
+        group_.group(role_ + "/labels")
+            .add({place(label, x, y, 0, readable_on(theme_.background, curve_color(curve), 4.5), theme_.background)});
+        break;
+      }
     }
   }
 

@@ -18,6 +18,7 @@ struct Bode : Plot {
     Axis& x = canvas.panel().x ? *canvas.panel().x : canvas.figure().x;
     x.scale = Scale::log;
     canvas.name(x, "frequency ω [rad s^{-1}]");
+    if (canvas.panel().x) canvas.panel(1).x = canvas.panel().x;
     canvas.panel(1);
     canvas.name(canvas.panel().y, "gain [dB]");
     canvas.name(canvas.panel(1).y, "phase [°]");

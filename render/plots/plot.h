@@ -41,14 +41,14 @@ struct GridValues {
 using PlotValue =
     std::variant<std::monostate, std::vector<double>, GridValues, double, bool, std::string, std::vector<std::string>>;
 
-enum class Need { required, optional };
+enum class Need { needed, optional };
 
 // One thing that a plot type is given.
 struct PlotInput {
   enum class Kind { column, grid, number, flag, choice, text, texts };
   Kind kind = Kind::column;
   std::string_view name, doc;
-  Need need = Need::required;
+  Need need = Need::needed;
   PlotValue init;                      // where nothing is given
   std::vector<std::string> choices{};  // of a choice; the first is the default
 };
@@ -61,10 +61,10 @@ class Plot {
     std::size_t index;
   };
   struct Column : Part {
-    Column(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::required);
+    Column(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::needed);
   };
   struct Grid : Part {
-    Grid(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::required);
+    Grid(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::needed);
   };
   struct Real : Part {
     Real(Plot* plot, std::string_view name, double init, std::string_view doc);

@@ -6,7 +6,7 @@ namespace plantloop {
 namespace {
 
 struct PoleZero : Plot {
-  System data{this, Need::required};
+  System data{this, Need::needed};
   Flag sampled{this, "sampled", "polynomials in z: the border of stability is the unit circle"};
 
   PoleZero() : Plot("poles as crosses and zeros as rings, with lines of equal damping and frequency") {}

@@ -8,7 +8,7 @@ namespace plantloop {
 namespace {
 
 struct RootLocus : Plot {
-  System data{this, Need::required};
+  System data{this, Need::needed};
   Real gain{this, "gain", 1, "the gain at which the closed loop's poles are marked; 0: none"};
   Flag sampled{this, "sampled", "polynomials in z: the border of stability is the unit circle"};
 

@@ -98,6 +98,7 @@ struct Scene {
   int width = 0, height = 0;  // pixels
   double dpi = 0;
   Color background{255, 255, 255};
+  bool selectable_text = false;  // in formats that draw text as outlines: readers can select and find it all the same
   std::vector<SceneFont> fonts;
   Group root{"figure", {}, {}, {}};
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/figures.h"
 #include "engine/base/files.h"
 #include "engine/base/numbers.h"
 #include "engine/run/checkpoint.h"
@@ -28,7 +29,7 @@ int load(lua_State* L) {
   const FileResult place = session.readable(path);
   if (!place.ok()) throw ScriptError(fmt::format("cannot read '{}': {}", path, place.error));
   Report report;
-  std::shared_ptr<Diagram> diagram = Diagram::load(place.value, report);
+  std::shared_ptr<Diagram> diagram = Diagram::load(place.value, report, plot_words());
   settle(session, report, diagram == nullptr);
   push_object(L, diagram_kind, DiagramObject{std::move(diagram), {}});
   return 1;
@@ -39,7 +40,7 @@ int diagram_from_text(lua_State* L) {
   Session& session = session_of(L);
   const std::string path = (std::filesystem::path(session.script).parent_path() / "diagram in this script").string();
   Report report;
-  std::shared_ptr<Diagram> diagram = Diagram::from_text(text, path, report);
+  std::shared_ptr<Diagram> diagram = Diagram::from_text(text, path, report, plot_words());
   settle(session, report, diagram == nullptr);
   push_object(L, diagram_kind, DiagramObject{std::move(diagram), {}});
   return 1;

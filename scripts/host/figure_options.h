@@ -23,6 +23,9 @@ PanelPlace panel_place(lua_State* L);
 
 // The options that say how a series looks, `right` among them.
 const std::vector<std::string>& look_keys();
-SeriesLook read_look(const Options& options);
+// `kind` becomes stairs where the style is `steps`.
+SeriesLook read_look(lua_State* L, const Options& options, Series::Kind& kind);
+// Their declaration for editors.
+const std::string& look_type();
 
 }  // namespace plantloop::lua

@@ -106,7 +106,8 @@ int use_plot(lua_State* L) {
       work += work_of(value);
       given.set(input.name, std::move(value));
     }
-    given.look = read_look(options);
+    Series::Kind kind{};
+    given.look = read_look(L, options, kind);
     given.right = options.flag("right");
     given.check();
     session_of(L).sandbox.work(L, 10 * work);
@@ -140,17 +141,13 @@ std::string parameters_of(const Plot& plot) {
   std::string positional, named;
   bool leading = true;
   for (const PlotInput& input : plot.inputs()) {
-    leading = leading && is_data(input) && input.need == Need::required;
+    leading = leading && is_data(input) && input.need == Need::needed;
     if (leading)
       positional += fmt::format("{}: pl.Vector, ", input.name);
     else
       named += fmt::format("{}?: {}, ", input.name, type_of(input));
   }
-  return fmt::format(
-      "{}options?: {{{}label?: string, style?: string, marker?: string, color?: string, width?: number, opacity?: "
-      "number, "
-      "size?: number, right?: boolean}}",
-      positional, named);
+  return fmt::format("{}options?: {{{}{}", positional, named, look_type().substr(1));
 }
 
 }  // namespace

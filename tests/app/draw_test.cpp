@@ -47,6 +47,21 @@ TEST_F(Draw, WritesEveryFormat) {
               AllOf(HasSubstr("aria-label=\"controller\""), HasSubstr("id=\"block/controller\"")));
 }
 
+TEST_F(Draw, WritesTheValuesOfARunOnTheWires) {
+  EXPECT_EQ(place_.run("run loop.yaml --stop 1 --out loop.npz").status, 0);
+  EXPECT_EQ(place_.run("draw loop.yaml -o end.json --values loop.npz").status, 0);
+  EXPECT_THAT(place_.read("end.json"), HasSubstr("\"= 0\""));  // the step comes at 1 s
+  EXPECT_EQ(place_.run("run loop.yaml --stop 100 --out loop.npz").status, 0);
+  EXPECT_EQ(place_.run("draw loop.yaml -o end.json --values loop.npz").status, 0);
+  EXPECT_THAT(place_.read("end.json"), HasSubstr("\"= 0.5\""));  // at rest y = 1 - y
+  EXPECT_EQ(place_.run("draw loop.yaml -o end.json --values loop.npz --at 0.5").status, 0);
+  EXPECT_THAT(place_.read("end.json"), HasSubstr("\"= 0\""));
+  const Outcome early = place_.run("draw loop.yaml -o end.json --values loop.npz --at -1");
+  EXPECT_EQ(early.status, 2);
+  EXPECT_EQ(early.err, "plantloop: --at -1: loop.npz begins at 0 s\n");
+  EXPECT_EQ(place_.run("draw loop.yaml -o end.json --values none.npz").status, 2);
+}
+
 TEST_F(Draw, OpensSubsystemsAndLooksInsideThem) {
   EXPECT_EQ(place_.run("draw loop.yaml -o open.svg --depth 1").status, 0);
   EXPECT_THAT(place_.read("open.svg"), AllOf(HasSubstr("frame/controller"), HasSubstr("block/controller.x")));

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "app/figures.h"
 #include "engine/run/measures.h"
 
 namespace plantloop::testing_book {
@@ -58,7 +59,7 @@ std::string BookRun::unmet() const {
 
 BookRun run_file(const std::string& path, const RunRequest& request) {
   Report report;
-  return run(Diagram::load(path, report), request, report);
+  return run(Diagram::load(path, report, plot_words()), request, report);
 }
 
 BookRun run_text(const std::string& text, const RunRequest& request) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/figures.h"
 #include "tests/book/book_runs.h"
 
 namespace plantloop::testing_book {
@@ -28,7 +29,7 @@ class BookDiagram : public testing::TestWithParam<std::string> {
 
 TEST_P(BookDiagram, ChecksWithoutAFinding) {
   Report report;
-  const auto diagram = Diagram::load(path(), report);
+  const auto diagram = Diagram::load(path(), report, plot_words());
   ASSERT_TRUE(diagram) << to_text(report);
   diagram->check({}, report);
   EXPECT_EQ(to_text(report), "");
@@ -48,7 +49,7 @@ class ExampleDiagram : public testing::TestWithParam<std::string> {};
 TEST_P(ExampleDiagram, ChecksWithoutAFindingAndMeetsItsExpectations) {
   const std::string path = "diagrams/examples/" + GetParam() + ".yaml";
   Report report;
-  const auto diagram = Diagram::load(path, report);
+  const auto diagram = Diagram::load(path, report, plot_words());
   ASSERT_TRUE(diagram) << to_text(report);
   diagram->check({}, report);
   EXPECT_EQ(to_text(report), "");

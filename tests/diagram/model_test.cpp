@@ -175,15 +175,39 @@ figures:
       - {y: [y, y], labels: [one, other], right: y, right_label: r, bands: [{lower: 0, upper: 1, until: 2}]}
 )");
   const FigureDecl& figure = model->figures[0];
-  EXPECT_EQ(figure.x_label, "time [s]");
-  EXPECT_EQ(shown(figure.x_upper), "6");
-  EXPECT_EQ(figure.panels[0].y[1].style, "dashed");
-  EXPECT_EQ(shown(figure.panels[0].upper_limit), "1");
-  EXPECT_TRUE(figure.panels[0].equal);
-  EXPECT_EQ(shown(figure.panels[0].lines[0].x), "0.5");
-  EXPECT_EQ(figure.panels[1].y[1].label, "other");
-  EXPECT_EQ(figure.panels[1].right.size(), 1U);
-  EXPECT_EQ(shown(figure.panels[1].bands[0].until), "2");
+  const FigureBlock& x = figure.says.parts("x")[0];
+  EXPECT_EQ(x.text("label"), "time [s]");
+  EXPECT_EQ(shown(x.find("limits")->numbers[1]), "6");
+  const std::vector<FigureBlock>& panels = figure.says.parts("panels");
+  EXPECT_EQ(panels[0].parts("y")[1].text("style"), "dashed");
+  EXPECT_EQ(shown(panels[0].find("limits")->numbers[1]), "1");
+  EXPECT_TRUE(panels[0].flag("equal"));
+  EXPECT_EQ(shown(panels[0].parts("lines")[0].number("x")), "0.5");
+  EXPECT_EQ(panels[1].find("labels")->texts[1], "other");
+  EXPECT_EQ(panels[1].parts("right").size(), 1U);
+  EXPECT_EQ(shown(panels[1].parts("bands")[0].number("until")), "2");
+  EXPECT_EQ(figure.signals().size(), 5U);
+  EXPECT_EQ(figure.numbers().size(), 8U);
+}
+
+TEST(Model, FiguresHaveThePlotTypesThatTheReaderIsGiven) {
+  const FigureWords stem{"stem",
+                         {{.name = "x", .kind = FigureWord::Kind::column, .doc = "where", .needed = true},
+                          {.name = "z", .kind = FigureWord::Kind::grid, .doc = "what"}}};
+  const PlotWords plots{{.name = "stem", .kind = FigureWord::Kind::plot, .doc = "stems", .parts = &stem}};
+  const std::string text =
+      "plantloop: 1\nblocks: {y: 1}\nfigures: {f: {panels: [{stem: [{x: y, z: [[1, 2], [3, 4]]}, {x: [1, 2*3]}]}]}}\n";
+  Report report;
+  const auto model = read_model_text(text, "test.yaml", report, plots);
+  EXPECT_EQ(to_text(report), "");
+  const std::vector<FigureBlock>& uses = model->figures[0].says.parts("panels")[0].parts("stem");
+  ASSERT_EQ(uses.size(), 2U);
+  EXPECT_EQ(shown(uses[0].find("x")->signal), "y");
+  EXPECT_EQ(uses[0].find("z")->columns, 2U);
+  EXPECT_EQ(shown(uses[1].find("x")->numbers[1]), "2*3");
+  Report without;
+  read_model_text(text, "test.yaml", without);
+  EXPECT_NE(to_text(without).find("a panel has no key 'stem'"), std::string::npos);
 }
 
 // A folder of its own below the system's temporary one, gone afterwards.

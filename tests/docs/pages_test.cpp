@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "app/figures.h"
 #include "engine/base/files.h"
 #include "engine/diagram/model.h"
 #include "engine/graph/describe.h"
@@ -29,7 +30,9 @@ TEST(Docs, ThePageOfTheBlocksIsWhatTheProgramPrints) {
   expect_fresh("docs/blocks.md", catalogue_markdown(), "blocks --markdown");
 }
 
-TEST(Docs, TheSchemaIsWhatTheProgramPrints) { expect_fresh("docs/diagram.schema.json", diagram_schema(), "schema"); }
+TEST(Docs, TheSchemaIsWhatTheProgramPrints) {
+  expect_fresh("docs/diagram.schema.json", diagram_schema(plot_words()), "schema");
+}
 
 // The complete diagrams in a page: its blocks of YAML that begin with a comment or the version.
 std::vector<std::string> diagrams_in(const std::string& page) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/drawing/sheets.h"
+#include "app/figures.h"
 #include "engine/run/diagram.h"
 #include "render/diagram/draw.h"
 #include "render/image.h"
@@ -27,7 +28,7 @@ std::shared_ptr<const Graph> graph_of(const std::shared_ptr<const Model>& model,
 
 std::shared_ptr<const Graph> graph_of_file(const std::string& path) {
   Report report;
-  const auto model = read_model(path, report);
+  const auto model = read_model(path, report, plot_words());
   EXPECT_TRUE(model) << to_text(report, false);
   if (model && model->is_library) return nullptr;
   return graph_of(model, path);

@@ -127,6 +127,55 @@ TEST(Plots, DrawAnyNumbersOnLogarithmicAxes) {
       }
 }
 
+// Labels that nobody means: endless, broken as TeX and as UTF-8, with control characters, of other scripts.
+TEST(Plots, TakeAbsurdLabels) {
+  std::vector<std::string> absurd{" ",
+                                  "\\frac{",
+                                  "\\sqrt{\\frac{a}{",
+                                  "x_",
+                                  "^^^___{{{}}}",
+                                  "a_{b_{c_{d_{e_{f}}}}}",
+                                  "\xff\xfe\x80",
+                                  "a\nb\tc\x01",
+                                  "مرحبا 世界 🚀",
+                                  "[[[]",
+                                  "\\hat{\\bar{\\dot{x}}}"};
+  absurd.push_back(std::string(3000, 'W'));
+  std::string words;
+  for (int i = 0; i < 300; ++i) words += "word ";
+  absurd.push_back(words);
+  for (const Plot* plot : plots())
+    for (const std::string& label : absurd) {
+      Figure figure{.title = label};
+      figure.x.label = label;
+      figure.add_panel({.title = label, .y = {.label = label}});
+      figure.panels[0].lines.push_back({.at = 1, .label = label});
+      figure.panels[0].callouts.push_back({.x = 1, .y = 2, .label = label});
+      Given given = given_all(*plot, {1, 2, 4, 3}, false);
+      given.look.label = label;
+      expect_picture_or_words(*plot, figure, given, fmt::format("{}, '{}'", plot->name(), label.substr(0, 20)));
+    }
+}
+
+TEST(Plots, AreDrawnThreeHundredTimesInOnePanel) {
+  for (const Plot* plot : plots()) {
+    Figure figure;
+    try {
+      for (int i = 0; i < 300; ++i) {
+        Given given = given_all(*plot, {1.0 + i, 2, 4.0 + 0.1 * i, 3}, false);
+        given.look.label = fmt::format("series {}", i);
+        Canvas canvas(figure, 0);
+        canvas.panel();
+        plot->draw(canvas, given);
+      }
+    } catch (const RenderError& e) {
+      EXPECT_GT(std::string(e.what()).size(), 15u) << plot->name();
+      continue;
+    }
+    EXPECT_THAT(lint(layout(figure)), IsEmpty()) << plot->name();
+  }
+}
+
 TEST(Plots, GoOnTheRightAxis) {
   for (const Plot* plot : plots()) {
     Figure figure;
