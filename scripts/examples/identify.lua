@@ -8,7 +8,7 @@
 -- TEST.csv, and written to out/NAME-OUTPUT.yaml with the figures of its validation.
 --
 --   train=0.5    only the first half of DATA.csv is used; the rest is the test
---   effort=3     how much is tried: about minutes; 1 is enough for records of some thousand samples
+--   effort=3     how much is tried: minutes of an idle machine of two cores; 1 is enough for records of some thousand samples
 --
 -- What is tried depends on the effort and the size of the record, never on the clock, so that a run can be repeated exactly.
 -- Without a file it identifies a made-up tank.
@@ -46,7 +46,7 @@ local function filled(data)
 end
 
 local name = given_name or (files[1] and files[1]:match("([^/]+)%.csv$")) or "tank"
-if not files[1] then effort = math.min(effort, 0.03) end
+if not files[1] then effort = math.min(effort, 0.02) end
 local all = files[1] and identify.read(files[1]) or made_up()
 print("The data")
 for _, line in ipairs(all:advice()) do print("  " .. line) end
@@ -148,8 +148,8 @@ local function identify_output(output)
   print(("\n%s: %d samples, structures are searched on %d of them in %d split%s of train and held-back blocks"):format(label, data.samples,
     samples, #splits, #splits > 1 and "s" or ""))
 
-  -- The work that was done, in units of about a second; what would go beyond the budget is not begun.
-  local budget, spent = 200 * effort, 0
+  -- The work that was done, in units of about half a second; what would go beyond the budget is not begun.
+  local budget, spent = 250 * effort, 0
   local rows = splits[1].train.samples * #splits
 
   local candidates = {}
@@ -282,14 +282,27 @@ local function identify_output(output)
 
   -- Networks beside a linear model, trained through time: first over short pieces, then over the whole record.
   -- The weight decay is that of a priori weights of about 1 and errors as those of the best polynomial.
-  local function try_network(s, neurons, decay)
-    local work = rows * (2 + 1e-3 * (neurons * (s.ny + inputs * s.nu + 2)) ^ 2) * 4e-4
-    local candidate = try("network", ("network of %d neurons, %s, decay %.1g"):format(neurons, named(s.ny, s.nu, s.d), decay), work,
+  local best_network
+  local function try_network(s, neurons, decay, thorough)
+    local key = table.concat({"network", s.ny, s.nu, s.d, neurons, ("%.1g"):format(decay), thorough and 1 or 0}, " ")
+    local signals = s.ny + inputs * s.nu
+    if tried[key] or s.ny < 1 or signals > 40 then return end
+    tried[key] = true
+    local starts, refined, iterations = 6, 2, 60
+    if thorough then starts, refined, iterations = 16, 6, 150 end
+    local work = rows * (2 + 1e-3 * (neurons * (signals + 2)) ^ 2) * 1e-4 * refined / 2 * iterations / 60
+    local candidate = try("network", ("network of %d neurons, %s, decay %.1g%s"):format(neurons, named(s.ny, s.nu, s.d), decay,
+                                                                                      thorough and ", long" or ""), work,
       function(x)
-        return identify.mlp(x, {regressors = lags(s.ny, s.nu, s.d), hidden = neurons, direct = true, simulation = true, starts = 6, refined = 2,
-                                one_step_iterations = 20, iterations = 60, horizons = {20 + 4 * (s.ny + s.nu), 0}, decay = decay, seed = seed})
+        return identify.mlp(x, {regressors = lags(s.ny, s.nu, s.d), hidden = neurons, direct = true, simulation = true, starts = starts,
+                                refined = refined, one_step_iterations = 20, iterations = iterations,
+                                horizons = {20 + 4 * (s.ny + s.nu), 0}, decay = decay, seed = seed})
       end, function(x, model) return model:fit_free_run(x, {iterations = 60, decay = decay}) end)
     note(candidate, s.ny, s.nu, s.d)
+    if candidate and candidate.held < math.huge and (not best_network or candidate.held < best_network.held) then
+      best_network = candidate
+      candidate.structure, candidate.neurons, candidate.decay = s, neurons, decay
+    end
     return candidate
   end
   local deviation = pl.std(data.y)
@@ -304,29 +317,37 @@ local function identify_output(output)
       tops[#tops + 1] = {ny = n, nu = inputs > 0 and n or 0, d = delay}
     end
   end
-  local best_network
   for _, s in ipairs(tops) do
     local last
-    for _, neurons in ipairs{3, 6, 12} do
+    for _, neurons in ipairs{3, 6, 12, 20} do
       local candidate = try_network(s, neurons, decay)
-      if candidate and (not best_network or candidate.held < best_network.held) then
-        best_network = candidate
-        best_network.structure, best_network.neurons = s, neurons
-      end
       if last and candidate and candidate.held > 1.05 * last.held then break end
+      if candidate and best_network and candidate.held > 1.5 * best_network.held then break end
       last = candidate or last
     end
   end
+  -- Around the best one: decay, lags, then more starts and iterations.
   if best_network then
-    local s, neurons = best_network.structure, best_network.neurons
     for _, factor in ipairs{0.1, 10} do
       local last, own = best_network, decay * factor
       while own < 10 and own > 1e-9 do
-        local candidate = try_network(s, neurons, own)
+        local candidate = try_network(last.structure or best_network.structure, last.neurons or best_network.neurons, own)
         if not candidate or candidate.held > last.held then break end
         last, own = candidate, own * factor
       end
     end
+    for _ = 1, 3 do
+      local before = best_network
+      local s, neurons = before.structure, before.neurons
+      try_network({ny = s.ny + 1, nu = s.nu, d = s.d}, neurons, before.decay)
+      if inputs > 0 then
+        try_network({ny = s.ny, nu = s.nu + 1, d = s.d}, neurons, before.decay)
+        try_network({ny = s.ny + 1, nu = s.nu + 1, d = s.d}, neurons, before.decay)
+        try_network({ny = s.ny - 1, nu = s.nu, d = s.d}, neurons, before.decay)
+      end
+      if best_network == before then break end
+    end
+    try_network(best_network.structure, best_network.neurons, best_network.decay, true)
   end
 
   -- One-step models: Gaussian processes, radial functions, local models.
