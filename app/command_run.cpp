@@ -12,6 +12,7 @@
 #include "app/command.h"
 #include "app/draw.h"
 #include "app/figures.h"
+#include "app/progress.h"
 #include "app/request.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -41,31 +42,6 @@ struct RunOptions {
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::optional<double> given(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
-
-// A bar on a terminal once a run takes longer than a second; nothing in a pipe.
-class Progress {
- public:
-  explicit Progress(bool wanted) : wanted_(wanted && is_terminal(STDERR_FILENO)), start_(seconds()) {}
-  ~Progress() { clear(); }
-  void operator()(double fraction) {
-    if (!wanted_ || seconds() - start_ < 1) return;
-    constexpr int width = 40;
-    const int full = static_cast<int>(fraction * width);
-    fmt::print(stderr, "\r[{}{}] {:3.0f} %", std::string(static_cast<std::size_t>(full), '#'),
-               std::string(static_cast<std::size_t>(width - full), ' '), fraction * 100);
-    std::fflush(stderr);
-    shown_ = true;
-  }
-  void clear() {
-    if (shown_) fmt::print(stderr, "\r{}\r", std::string(50, ' '));
-    shown_ = false;
-  }
-
- private:
-  bool wanted_;
-  bool shown_ = false;
-  double start_;
-};
 
 std::string summary(const Diagram& diagram, const DiagramRun& run) {
   const auto& s = run.statistics;

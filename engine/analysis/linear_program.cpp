@@ -96,6 +96,18 @@ HitPattern pattern_of(const Program& program, Report& report) {
 
 }  // namespace
 
+std::vector<const RecordedSignal*> signals_at(const Graph& graph, const Record& record, const std::string& path,
+                                              const char* what, Report& report) {
+  std::vector<const RecordedSignal*> found;
+  const auto wire = find_wire(graph, path, what, report);
+  if (!wire) return found;
+  const std::string whole = path_of(graph, graph.nets[wire->net]);
+  for (const RecordedSignal& signal : record.signals) {
+    if (wire->means(whole, signal.name)) found.push_back(&signal);
+  }
+  return found;
+}
+
 Sensitivity LinearProgram::size() const {
   return {program->state_names.size(), program->discretes.size(), probes.size(), program->linear.held_masks.size()};
 }

@@ -48,6 +48,11 @@ struct LinearProgram {
   void evaluate_outputs();
 };
 
+// The signals of the record that a path means, elements apart: "plant.x", "xh.3". `what` begins the message when there
+// is none, "the output"; then the result is empty.
+std::vector<const RecordedSignal*> signals_at(const Graph& graph, const Record& record, const std::string& path,
+                                              const char* what, Report& report);
+
 // Null after reporting what is wrong.
 std::unique_ptr<LinearProgram> make_linear_program(const std::shared_ptr<const Model>& model, const Overrides& set,
                                                    const std::vector<std::string>& inputs,

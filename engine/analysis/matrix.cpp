@@ -192,6 +192,18 @@ DenseMatrix covariance_of(const DenseMatrix& a) {
   return covariance;
 }
 
+WeakDirection weakest_direction(const DenseMatrix& a) {
+  WeakDirection weak;
+  if (a.columns == 0 || a.rows < a.columns) return weak;
+  const Eigen::MatrixXd dense = view(a);
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Column& s = svd.singularValues();
+  const Eigen::Index last = svd.matrixV().cols() - 1;
+  for (Eigen::Index i = 0; i < svd.matrixV().rows(); ++i) weak.direction.push_back(svd.matrixV()(i, last));
+  weak.ratio = s[0] > 0 ? s[last] / s[0] : 0;
+  return weak;
+}
+
 std::vector<double> damped_least_squares(const DenseMatrix& a, const std::vector<double>& damping,
                                          const std::vector<double>& b) {
   // As one QR decomposition of [a; diag(damping)], which does not square the condition number.

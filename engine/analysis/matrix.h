@@ -41,6 +41,12 @@ std::vector<std::complex<double>> transfer(const DenseMatrix& a, const DenseMatr
 std::vector<double> least_squares(const DenseMatrix& a, const std::vector<double>& b);
 // (a' a)^-1 by singular values; entries are infinite when a column does not matter.
 DenseMatrix covariance_of(const DenseMatrix& a);
+// The direction x of length 1 in which a x is shortest, and how short: |a x| over the largest such length.
+struct WeakDirection {
+  std::vector<double> direction;
+  double ratio = 1;
+};
+WeakDirection weakest_direction(const DenseMatrix& a);
 // The solution of (a' a + diag(damping)^2) x = a' b.
 std::vector<double> damped_least_squares(const DenseMatrix& a, const std::vector<double>& damping,
                                          const std::vector<double>& b);

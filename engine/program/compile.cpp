@@ -12,6 +12,7 @@
 #include "engine/program/lower.h"
 #include "engine/program/program.h"
 #include "engine/program/resolve.h"
+#include "engine/program/sensitivities.h"
 #include "engine/program/solve_loop.h"
 #include "engine/program/unroll.h"
 
@@ -104,12 +105,13 @@ std::vector<std::uint32_t> order_states(const Resolved& resolved) {
 
 class Compiler {
  public:
-  Compiler(const Record& record, const CompileOptions& options, std::shared_ptr<Resolved> resolved)
+  // `loops`: how many of the loops are the diagram's own; those that follow belong to derivatives.
+  Compiler(const Record& record, const CompileOptions& options, std::shared_ptr<Resolved> resolved, std::size_t loops)
       : record_(record),
         options_(options),
         resolved_(std::move(resolved)),
         graph_(resolved_->graph),
-        recorded_loops_(resolved_->graph.loops.size()) {}
+        recorded_loops_(loops) {}
 
   std::shared_ptr<const Program> compile() {
     program_ = std::make_shared<Program>();
@@ -610,7 +612,10 @@ class Compiler {
 
 }  // namespace
 
-std::shared_ptr<const Program> compile(const Record& record, const CompileOptions& options, Report& report) {
+namespace {
+
+// Null after reporting.
+std::shared_ptr<Resolved> resolve_all(const Record& record, const CompileOptions& options, Report& report) {
   const std::size_t errors = report.error_count();
   if (record.rates.size() > most_rates + 1u) {
     report.error({}, "the diagram has {} different rates; at most {} can be kept apart", record.rates.size() - 1,
@@ -619,12 +624,36 @@ std::shared_ptr<const Program> compile(const Record& record, const CompileOption
   }
   auto resolved =
       std::make_shared<Resolved>(resolve(record, options.watches, options.numbers, options.loops_are_errors, report));
-  if (report.error_count() > errors) return nullptr;
+  return report.error_count() > errors ? nullptr : resolved;
+}
+
+std::shared_ptr<const Program> compile_resolved(const Record& record, const CompileOptions& options,
+                                                std::shared_ptr<Resolved> resolved, std::size_t loops) {
   const SinkInCharge charge(resolved->graph);
   resolved->graph.make_modes = false;
   resolved->graph.activation = 0;
   resolved->graph.rate = 0;
-  return Compiler(record, options, std::move(resolved)).compile();
+  return Compiler(record, options, std::move(resolved), loops).compile();
+}
+
+}  // namespace
+
+std::shared_ptr<const Program> compile(const Record& record, const CompileOptions& options, Report& report) {
+  auto resolved = resolve_all(record, options, report);
+  if (!resolved) return nullptr;
+  const std::size_t loops = resolved->graph.loops.size();
+  return compile_resolved(record, options, std::move(resolved), loops);
+}
+
+std::shared_ptr<const Program> compile_with_sensitivities(const Record& record, const CompileOptions& options,
+                                                          const SensitivityRequest& request, SensitivityLimits& limits,
+                                                          Report& report) {
+  const Record larger = with_sensitivity_states(record, request);
+  auto resolved = resolve_all(larger, options, report);
+  if (!resolved) return nullptr;
+  const std::size_t loops = resolved->graph.loops.size();
+  add_sensitivities(*resolved, record, record.states.size(), record.discretes.size(), request, limits);
+  return compile_resolved(larger, options, std::move(resolved), loops);
 }
 
 }  // namespace plantloop

@@ -13,10 +13,7 @@
 
 namespace plantloop {
 
-namespace {
-
-// The partial of an operation's result with respect to operand `k` (0, 1, 2); `result` is the operation itself.
-Value partial(const OperationGraph& graph, const Operation& o, Value result, int k) {
+Value partial_of(const OperationGraph& graph, const Operation& o, Value result, int k) {
   const auto operand = [&](std::uint32_t id) {
     return graph.operations[id].op == Op::constant ? Value(graph.constant(id)) : Value::node(id);
   };
@@ -98,6 +95,8 @@ Value partial(const OperationGraph& graph, const Operation& o, Value result, int
       return 0;  // comparisons, rounding, conditions: constant between events
   }
 }
+
+namespace {
 
 class Differentiator {
  public:
@@ -222,7 +221,7 @@ class Differentiator {
     const std::uint32_t operands[3] = {o.a, o.b, o.c};
     for (int k = 0; k < arity_of(o.op); ++k) {
       if (!reaches(operands[k])) continue;
-      add(operands[k], product(adjoint, partial(graph_, o, Value::node(id), k)));
+      add(operands[k], product(adjoint, partial_of(graph_, o, Value::node(id), k)));
     }
   }
 

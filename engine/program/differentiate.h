@@ -16,6 +16,9 @@ struct Partial {
   Value value;
 };
 
+// The partial of an operation's result with respect to operand `k` (0, 1, 2); `result` is the operation itself.
+Value partial_of(const OperationGraph& graph, const Operation& o, Value result, int k);
+
 // d roots[row] / d leaf, where a leaf is an operation of kind `op` and `column` its index (Op::state: the index of a
 // state), in order of rows, columns ascending; entries that are zero by structure do not appear. Modes are frozen: the
 // partials of min, max, abs and where are those of the active side. `opaque` receives the sites of kernels whose

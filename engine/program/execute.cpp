@@ -6,12 +6,15 @@
 
 #include "engine/program/execute.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 #include "engine/base/vectors.h"
 #include "engine/program/program.h"
+#include "engine/program/slots_read.h"
 #include "engine/program/solve_loop.h"
 
 namespace plantloop {
@@ -248,6 +251,47 @@ void execute(const List& list, double* arena, KernelFrame* kernels, std::uint64_
 
 void execute_by_switch(const List& list, double* arena, KernelFrame* kernels, std::uint64_t bits) {
   run<false, false>(list, arena, kernels, bits);
+}
+
+std::vector<std::uint32_t> slots_read(const List& list) {
+  std::vector<std::uint32_t> read, written;
+  for (const Instruction& i : list.instructions) {
+    if (i.handler == stop) continue;
+    const std::array<std::uint32_t, 3> operands{i.a, i.b, i.c};
+    read.insert(read.end(), operands.begin(), operands.begin() + arity_of(i.op));
+    written.push_back(i.out);
+  }
+  for (const GroupRun& group : list.groups) {
+    const std::array<std::uint32_t, 3> operands{group.a, group.b, group.c};
+    for (std::uint32_t i = 0; i < group.count; ++i) {
+      int pattern = group.pattern;
+      for (int k = 0; k < arity_of(group.op); ++k, pattern /= 3) {
+        const std::uint32_t first = operands[static_cast<std::size_t>(k)];
+        read.push_back(pattern % 3 == contiguous ? first + i
+                       : pattern % 3 == constant ? first
+                                                 : list.gathers[first + i]);
+      }
+      written.push_back(group.out + i);
+    }
+  }
+  for (const KernelStep& step : list.kernels) {
+    const auto from = list.gathers.begin() + step.inputs;
+    read.insert(read.end(), from, from + step.input_count + step.advance_count);
+    for (std::uint32_t i = 0; i < step.out_count; ++i) written.push_back(step.out + i);
+  }
+  for (const LoopStep& step : list.loops) {
+    const auto from = list.gathers.begin() + step.inputs;
+    read.insert(read.end(), from, from + step.input_count);
+  }
+  const auto sort = [](std::vector<std::uint32_t>& slots) {
+    std::sort(slots.begin(), slots.end());
+    slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  };
+  sort(read);
+  sort(written);
+  std::vector<std::uint32_t> only_read;
+  std::set_difference(read.begin(), read.end(), written.begin(), written.end(), std::back_inserter(only_read));
+  return only_read;
 }
 
 void link_instructions(List& list) {

@@ -12,6 +12,8 @@
 #include <limits>
 #include <span>
 
+#include "engine/program/slots_read.h"
+
 namespace plantloop {
 
 namespace {
@@ -19,7 +21,9 @@ namespace {
 constexpr int most_iterations = 60;
 constexpr double last_step = 1e-9;  // relative; the error after such a step is its square
 constexpr double least_damping = 1e-10;
-constexpr double off_by_rounding = 1e-10;  // of the terms of an equation
+constexpr double off_by_rounding = 1e-10;  // of the terms of an equation that have an unknown
+// As a relative change of what the equations are given: some hundred roundings.
+constexpr double off_by_rounding_of_data = 1e-13;
 
 // Finite; without bounds any number.
 double clipped(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
@@ -203,6 +207,11 @@ class Search {
       if (!evaluate()) continue;
       correct(correction_);
       if (size(correction_) <= (1 - 0.25 * damping) * length) return true;
+      // Steps that do not help: before trying ever shorter ones, see whether there is anything left to solve.
+      if (damping == 0.25) {
+        std::copy(before_.begin(), before_.end(), u_.begin());
+        if (!evaluate() || is_rounding()) return false;
+      }
     }
     return false;
   }
@@ -226,7 +235,37 @@ class Search {
         if (loop_.row[e] != i) continue;
         terms += std::fabs(arena_[loop_.jacobian_list.roots[e]] * u_[loop_.column[e]]);
       }
-      if (!(std::fabs(residual_[i]) <= off_by_rounding * terms)) return false;
+      if (!(std::fabs(residual_[i]) <= off_by_rounding * terms)) return is_rounding_of_data();
+    }
+    return true;
+  }
+
+  // The equations hold exactly when what they are given is changed in its last digits: the terms with an unknown may be
+  // small beside the others, as where a voltage passes through zero.
+  bool is_rounding_of_data() {
+    const std::vector<double> left_over(residual_.begin(), residual_.end());
+    std::vector<double> terms(n_, 0.0), far(n_);
+    constexpr double change = 1e-7;  // relative
+    const auto changed = [&](std::uint32_t slot, double by) {
+      const double value = arena_[slot];
+      arena_[slot] = value * (1 + by);
+      const bool finite = evaluate();
+      arena_[slot] = value;
+      return finite;
+    };
+    for (const std::uint32_t slot : slots_read(loop_.residual_list)) {
+      if (slot >= loop_.unknowns && slot < loop_.unknowns + n_) continue;
+      if (!changed(slot, change)) continue;
+      std::copy(residual_.begin(), residual_.end(), far.begin());
+      if (!changed(slot, 0.5 * change)) continue;
+      for (std::size_t i = 0; i < n_; ++i) {
+        const double whole = std::fabs(far[i] - left_over[i]), half = std::fabs(residual_[i] - left_over[i]);
+        if (half <= 0.75 * whole) terms[i] += whole / change;  // what a condition switches is no term
+      }
+    }
+    if (!evaluate()) return false;
+    for (std::size_t i = 0; i < n_; ++i) {
+      if (!(std::fabs(left_over[i]) <= off_by_rounding_of_data * terms[i])) return false;
     }
     return true;
   }

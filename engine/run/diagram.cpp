@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 
 #include "engine/base/numbers.h"
 #include "engine/run/check_expect.h"
@@ -47,6 +48,9 @@ std::shared_ptr<Diagram> Diagram::from_text(const std::string& text, const std::
 
 namespace {
 
+// The absolute tolerance where none is given: who asks for more digits wants them near zero, too.
+double atol_for(double rtol) { return std::min(1e-9, 1e-3 * rtol); }
+
 // The settings of `simulation:`, with what is wrong about them.
 class Settings {
  public:
@@ -63,7 +67,7 @@ class Settings {
     }
     positive(decl_.step, "step", o.step);
     positive(decl_.rtol, "rtol", o.rtol);
-    positive(decl_.atol, "atol", o.atol);
+    if (!positive(decl_.atol, "atol", o.atol)) o.atol = atol_for(o.rtol);
     positive(decl_.max_step, "max_step", o.max_step);
     positive(decl_.output_interval, "output_interval", o.output_interval);
     positive(decl_.event_tol, "event_tol", o.event_tol);
@@ -211,6 +215,9 @@ std::string structure_of(const Overrides& set, const std::vector<bool>& by_value
 
 std::shared_ptr<const CompiledDiagram> Diagram::compiled(const Overrides& set, const std::string& unroll_method,
                                                          double unroll_step, Report& report) {
+  // Runs on several threads share what was compiled; one at a time compiles.
+  static std::mutex compiling;
+  const std::lock_guard lock(compiling);
   const std::string method = fmt::format("{} {:a}\n", unroll_method, unroll_step);
   std::vector<bool> by_value(set.size());
   for (std::size_t i = 0; i < set.size(); ++i) by_value[i] = plain_number(set[i].text).has_value();
@@ -258,7 +265,7 @@ void Diagram::check(const Overrides& set, Report& report) {
 namespace {
 
 // The settings of the file with those of the request instead.
-SimulationOptions settings_of(const RunRequest& request, SimulationOptions options) {
+SimulationOptions settings_of(const RunRequest& request, const SimulationDecl& decl, SimulationOptions options) {
   if (request.solver) options.solver = *request.solver;
   if (request.start) options.start = *request.start;
   if (request.stop) options.stop = *request.stop;
@@ -268,6 +275,7 @@ SimulationOptions settings_of(const RunRequest& request, SimulationOptions optio
     if (info != nullptr && !info->fixed) options.step = 0;
   }
   if (request.rtol) options.rtol = *request.rtol;
+  if (request.rtol && !decl.atol) options.atol = atol_for(options.rtol);
   if (request.atol) options.atol = *request.atol;
   if (request.max_step) options.max_step = *request.max_step;
   if (request.max_memory) options.max_memory = *request.max_memory;
@@ -343,7 +351,7 @@ std::optional<PreparedRun> Diagram::prepare(const RunRequest& request, Report& r
   PreparedRun prepared;
   prepared.compiled = compiled(request.set, method, unroll_step, report);
   if (!prepared.compiled || report.error_count() > errors) return std::nullopt;
-  prepared.options = settings_of(request, prepared.compiled->options);
+  prepared.options = settings_of(request, model_->simulation, prepared.compiled->options);
   const SimulationOptions& options = prepared.options;
   check_solver(options, request.solver ? Mark{} : model_->simulation.solver_mark, report);
   if (!(options.stop > options.start))

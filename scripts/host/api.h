@@ -44,6 +44,7 @@ Entries vector_methods();
 Entries diagram_functions();
 Entries diagram_methods();
 Entries analysis_methods();  // of diagrams, too
+Entries study_functions();   // sweeps and fits
 Entries run_methods();
 Entries figure_functions();
 Entries figure_methods();

@@ -36,20 +36,20 @@ blocks:
 simulation: {stop: 1}
 )";
 
-TEST(Trim, FindsTheRestOfATank) {
+TEST(S16Trim, FindsTheRestOfATank) {
   const auto t = rest(tank, {});
   ASSERT_TRUE(t && t->converged) << t->why;
   EXPECT_NEAR(value(t->states, "level"), 1.25 * 1.25, 1e-10);
 }
 
-TEST(Trim, MovesAnInputUntilAnOutputIsAsWanted) {
+TEST(S16Trim, MovesAnInputUntilAnOutputIsAsWanted) {
   const auto t = rest(tank, {.inputs = {{"inflow"}}, .outputs = {{"level", 4}}});
   ASSERT_TRUE(t && t->converged);
   EXPECT_NEAR(value(t->inputs, "inflow"), 0.8, 1e-10);
   EXPECT_NEAR(value(t->states, "level"), 4, 1e-10);
 }
 
-TEST(Trim, KeepsBoundsAndSaysWhatIsLeft) {
+TEST(S16Trim, KeepsBoundsAndSaysWhatIsLeft) {
   const auto t = rest(tank, {.inputs = {{"inflow", 0, 0.6}}, .outputs = {{"level", 4}}});
   ASSERT_TRUE(t);
   EXPECT_FALSE(t->converged);
@@ -57,7 +57,7 @@ TEST(Trim, KeepsBoundsAndSaysWhatIsLeft) {
   EXPECT_GT(t->largest_residual, 1e-3);
 }
 
-TEST(Trim, HoldsAStateWhereItIsTold) {
+TEST(S16Trim, HoldsAStateWhereItIsTold) {
   const auto t = rest(tank, {.inputs = {{"inflow"}}, .fixed = {{"level", 2.25}}});
   ASSERT_TRUE(t && t->converged);
   EXPECT_NEAR(value(t->inputs, "inflow"), 0.6, 1e-12);
@@ -65,7 +65,7 @@ TEST(Trim, HoldsAStateWhereItIsTold) {
 }
 
 // A sampled controller with an integrator around a lag: at rest the error is zero and u = w.
-TEST(Trim, ASampledLoopRestsWhenItsStatesRepeat) {
+TEST(S16Trim, ASampledLoopRestsWhenItsStatesRepeat) {
   const auto t = rest(R"(
 blocks:
   e: {expr: 2 - y, rate: 0.1}
@@ -79,13 +79,13 @@ simulation: {stop: 1}
   EXPECT_NEAR(value(t->states, "i"), 2, 1e-9);
 }
 
-TEST(Trim, SaysThatThereIsNoSuchState) {
+TEST(S16Trim, SaysThatThereIsNoSuchState) {
   std::string text;
   EXPECT_FALSE(rest(tank, {.fixed = {{"levl", 1}}}, &text));
   EXPECT_THAT(text, HasSubstr("there is no state 'levl'"));
 }
 
-TEST(Trim, SaysWhatDoesNotRest) {
+TEST(S16Trim, SaysWhatDoesNotRest) {
   const auto t = rest("blocks:\n  x: {type: integrator, in: 2}\nsimulation: {stop: 1}\n", {});
   ASSERT_TRUE(t);
   EXPECT_FALSE(t->converged);

@@ -198,6 +198,20 @@ simulation: {stop: 1}
               AllOf(HasSubstr("error: algebraic loop: a -> b -> a"), HasSubstr("parts of two rates")));
 }
 
+TEST(S11Loops, AreSolvedWhereTheUnknownPassesThroughZeroBesideLargeTerms) {
+  // The node of an amplifier: y is 1e-12 of the other voltages, and so is what rounding leaves of its equation.
+  const Signals r = run(R"yaml(
+parameters: {bias: 3}
+blocks:
+  v: {type: integrator, in: 0, initial: bias}
+  u: {type: integrator, in: 1e-12, initial: -1e-12}
+  y: {type: algebraic_constraint, residual: (y - u)/1000 + 2*(y + v)/9000 - 2*bias/9000 + 1e-8*(exp(y) - 1)}
+simulation: {stop: 2}
+)yaml");
+  // Rounding of the terms, 6/9000, moves the solution by as much times 1000.
+  for (const double t : {0.5, 1.0, 1.5, 2.0}) EXPECT_NEAR(r.at("y", t), 1e-12 * (t - 1) / (11.0 / 9 + 1e-5), 1e-15);
+}
+
 TEST(S11Loops, DoNotDependOnTheOrderOfTheBlocks) {
   const std::string rest = "simulation: {stop: 2, output_interval: 0.5}\nrecord: [x, y, z]\n";
   const Signals one =
