@@ -456,6 +456,8 @@ local function identify_output(output)
   print(("  the model that is saved, fitted to all data: RMSE %.5g, FIT %.2f %%"):format(reached, percent))
   if tests then print(("  its free run over the test: RMSE %.5g, FIT %.2f %%"):format(judge(final, tests))) end
   print(("  written: %s.yaml, %s-validation.png, %s-residuals.png"):format(stem, stem, stem))
+  local linear = {ARX = true, ["output error"] = true, ["Box-Jenkins"] = true, ["state space"] = true}
+  print(("  in a diagram: {type: %s, model: %s.yaml}"):format(linear[best.family] and "linear_model" or "narx", stem))
   for _, warning in ipairs(final.report.warnings) do print("  warning: " .. warning) end
 
   -- The figures judge what the shown model has not seen.
