@@ -73,7 +73,7 @@ bool rising(const Curve& curve) {
 
 // Columns are as wide as a stroke of this width hides.
 Curve decimated(const Curve& curve, double stroke) {
-  return rising(curve) ? decimate_columns(curve, std::max(0.5, 0.3 * stroke)) : decimate_distance(curve, 0.35);
+  return rising(curve) ? decimate_columns(curve, std::max(0.5, 0.32 * stroke)) : decimate_distance(curve, 0.35);
 }
 
 void add_lines(const PanelPlan& panel, SeriesPlan& plan, const Samples& samples) {
