@@ -56,7 +56,7 @@ Ida::Ida(OdeSystem& system, const SolverOptions& options)
   check(IDASetUserData(memory_.get(), this));
   // The unknowns take no part in the error test, see below: what they amplify is met by closer tolerances of the
   // states.
-  const double share = unknowns_ > n_ ? 0.2 : 1;
+  const double share = unknowns_ > n_ ? 0.1 : 1;
   check(IDASStolerances(memory_.get(), share * rtol_, share * atol_));
   check(IDASetMaxNumSteps(memory_.get(), -1));
   // What is recorded of the unknowns solves their equations at the states: their own errors in a step do not matter. At
