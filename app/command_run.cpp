@@ -36,6 +36,7 @@ struct RunOptions {
   bool partial = false;
   double stop = NAN, step = NAN, rtol = NAN, atol = NAN, max_time = 0;
   bool timing = false;
+  bool strict = false;
   bool quiet = false;
 };
 
@@ -59,7 +60,10 @@ std::string summary(const Diagram& diagram, const DiagramRun& run) {
   for (std::size_t i = 0; i < run.recording.columns.size() && run.recording.rows() > 0; ++i) {
     const auto& column = run.recording.columns[i];
     if (column.hidden) continue;
-    text += fmt::format("  {:<{}}  {:.9g}", column.name, width, run.recording.at(run.recording.rows() - 1, i));
+    const double value = run.recording.at(run.recording.rows() - 1, i);
+    text += fmt::format("  {:<{}}  {:.9g}", column.name, width, value);
+    const auto number = static_cast<std::size_t>(value);
+    if (number >= 1 && number <= column.names.size()) text += fmt::format(" ({})", column.names[number - 1]);
     text += column.unit.empty() ? "\n" : " " + column.unit + "\n";
   }
   return text;
@@ -130,6 +134,7 @@ int run_diagram(const RunOptions& o) {
   if (!o.solver.empty()) request.solver = o.solver;
 
   Report report;
+  if (o.strict) report.make_strict();
   const auto diagram = Diagram::load(o.file, report, plot_words());
   if (!diagram || report.has_errors()) {
     if (diagram) diagram->check(request.set, report);
@@ -190,7 +195,7 @@ int run_diagram(const RunOptions& o) {
     fmt::print(stderr, "timing: read {:.6f} compile {:.6f} simulate {:.6f} write {:.6f}\n", diagram->read_time(),
                run->timing.compile, run->timing.simulate, seconds() - writing);
   }
-  return written ? done : run_failed;
+  return written && !report.has_errors() ? done : run_failed;
 }
 
 }  // namespace
@@ -233,6 +238,7 @@ PLANTLOOP_COMMAND(run) {
   parser.add_flag("--partial", o->partial,
                   "go on from a checkpoint of a diagram that has changed since: the values of equal paths");
   parser.add_option("--max-time", o->max_time, "stop the run after this many seconds")->check(CLI::PositiveNumber);
+  add_strict_option(parser, o->strict);
   parser.add_flag("--timing", o->timing, "print how long reading, compiling, simulating and writing took, in s");
   parser.add_flag("--quiet", o->quiet, "no summary, no progress");
   parser.footer(

@@ -25,6 +25,7 @@ struct TestOptions {
   std::vector<std::string> paths;
   std::string junit, figures = "out";
   double max_time = 0;
+  bool strict = false;
 };
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -98,6 +99,7 @@ class Tester {
   void test(const std::string& file) {
     const double start = seconds();
     Report report;
+    if (options_.strict) report.make_strict();
     const auto diagram = Diagram::load(file, report, plot_words());
     const bool nothing_to_test =
         diagram && !report.has_errors() && (diagram->model().is_library || diagram->model().expect.empty());
@@ -127,6 +129,11 @@ class Tester {
       write_out(fmt::format("ERROR  {}\n{}\n", file, error));
     } else {
       judge(*diagram, *run, suite);
+      if (report.has_errors()) {  // of what was noticed during the run
+        const std::string text = to_text(report);
+        suite.cases.push_back({"checks", TestCase::failed, text, {}, 0});
+        write_out(fmt::format("FAILED {}  checks\n{}", file, text));
+      }
     }
     suites_.push_back(std::move(suite));
   }
@@ -183,6 +190,7 @@ PLANTLOOP_COMMAND(test) {
   parser.add_option("--figures", o->figures, "folder for a picture of each expectation that is not met; \"\" for none")
       ->type_name("DIR")
       ->capture_default_str();
+  add_strict_option(parser, o->strict);
   parser.add_option("--max-time", o->max_time, "end a run after this many seconds")->check(CLI::PositiveNumber);
   parser.footer(
       "Exit status 0 when all is met, 1 when something is not or a run failed, 2 when a diagram is wrong.\n\n"

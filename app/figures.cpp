@@ -110,6 +110,8 @@ class Maker {
       panel.x = Axis{.label = x ? label_of(recording_.columns[*x]) : ""};
     }
     set_panel(panel, says, shared, number_);
+    if (panel.y.scale == Scale::linear && panel.y.ticks.empty()) panel.y.ticks = state_ticks(y);
+    if (panel.right.scale == Scale::linear && panel.right.ticks.empty()) panel.right.ticks = state_ticks(right);
     const FigureEntry* labels = says.find("labels");
     for (std::size_t i = 0; i < y.size(); ++i)
       add(y[i], labels && i < labels->texts.size() ? labels->texts[i] : "", x, alone, panel.series);
@@ -148,6 +150,22 @@ class Maker {
     const std::string& unit = all.front()->unit;
     const bool same = std::all_of(all.begin(), all.end(), [&](const RecordedColumn* c) { return c->unit == unit; });
     return same && !unit.empty() ? fmt::format("[{}]", unit) : "";
+  }
+
+  // Where all curves of an axis are the state of machines with the same states, their names stand at the axis.
+  std::vector<AxisTick> state_ticks(const std::vector<FigureBlock>& curves) const {
+    const std::vector<std::string>* names = nullptr;
+    for (const FigureBlock& curve : curves) {
+      const Columns shown = columns(signal_of(curve, "signal"));
+      for (std::size_t i = 0; i < shown.count; ++i) {
+        const RecordedColumn& column = recording_.columns[shown.first + i];
+        if (column.names.empty() || (names && *names != column.names)) return {};
+        names = &column.names;
+      }
+    }
+    std::vector<AxisTick> ticks;
+    for (std::size_t i = 0; names && i < names->size(); ++i) ticks.push_back({static_cast<double>(i + 1), (*names)[i]});
+    return ticks;
   }
 
   void draw_plots(Figure& figure, const FigureBlock& says, std::size_t at, std::optional<std::size_t> inset) const {

@@ -19,6 +19,10 @@ CLI::Option* add_set_option(CLI::App& parser, std::vector<std::string>& texts) {
       ->type_name("PATH=EXPRESSION");
 }
 
+CLI::Option* add_strict_option(CLI::App& parser, bool& strict) {
+  return parser.add_flag("--strict", strict, "take every warning as an error, also what is noticed during a run");
+}
+
 bool read_overrides(const std::vector<std::string>& texts, Overrides& overrides) {
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');

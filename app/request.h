@@ -13,6 +13,8 @@ namespace plantloop::app {
 
 // --set path=expression, any number of times.
 CLI::Option* add_set_option(CLI::App& parser, std::vector<std::string>& texts);
+// --strict: warnings become errors.
+CLI::Option* add_strict_option(CLI::App& parser, bool& strict);
 // "path=expression" texts as overrides; false after complaining.
 bool read_overrides(const std::vector<std::string>& texts, Overrides& overrides);
 

@@ -14,3 +14,4 @@ endfunction()
 
 page(blocks.md blocks --markdown)
 page(diagram.schema.json schema)
+page(checks.md check --list)

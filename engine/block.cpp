@@ -95,6 +95,7 @@ std::uint64_t Now::stream() const {
   for (const char c : BlockInstance::current().path()) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   return hash;
 }
+std::vector<Activity> Now::activity(const Inputs& port) const { return BlockInstance::current().activity(port.index); }
 bool Now::given(const Number& parameter) const { return BlockInstance::current().given_number(parameter.index); }
 bool Now::given(const Table& parameter) const { return BlockInstance::current().given_table(parameter.index); }
 

@@ -194,6 +194,14 @@ class NoEvents {
   bool before_;
 };
 
+// Whether the conditional block that writes an entry of a list is active (of a triggered one: whether it runs at this
+// instant), and since when, in s; the lowest number before the first time.
+struct Activity {
+  std::string path;  // of the block
+  Truth active;
+  Value since;
+};
+
 // What the equations read.
 class Now {
  public:
@@ -209,6 +217,7 @@ class Now {
   bool connected(const Input& port) const;  // a wire, or a value given like a parameter
   std::string path() const;                 // of the block: "plant.valve", for messages of kernels
   std::uint64_t stream() const;             // a number of the block's own, from its path: for random streams
+  std::vector<Activity> activity(const Inputs& port) const;  // by entry
   bool given(const Number& parameter) const;
   bool given(const Table& parameter) const;
   // The outputs of a kernel fed by `inputs` at the same instant; `advanced` are read by its advance only.
@@ -252,6 +261,8 @@ struct Crossing {
   // Where a kernel's output is not smooth, which the kernel tells by itself: a step ends there, and nothing else
   // happens; it is not among the events that a run records.
   bool of_kernel = false;
+  bool level = false;     // it also fires where the function is positive when it begins to be looked at
+  std::string name = {};  // of the event, behind the block's path; "": "jump"
 };
 inline Crossing crossing(const Array& function, Direction direction = Direction::either) {
   return {function, direction};
@@ -319,6 +330,7 @@ enum class RateKind {
   continuous,  // has continuous states, or means nothing else
   discrete,    // has discrete states: needs a rate
   source,      // no inputs: continuous unless all its readers are of one discrete rate
+  watching,    // as `any`, but continuous when nothing that it reads ever changes: it watches the time
 };
 
 class Block {
@@ -371,6 +383,9 @@ struct BlockType {
   std::string_view example;
   std::unique_ptr<const Block> block;
   std::string_view icon;  // empty: the drawing finds a face for it
+  // Of a block that is written in a form of its own: what stands behind `type:` in a small instance that reads a
+  // signal `a`. Its declared texts are keys whose values need not be texts.
+  std::string_view written;
 };
 
 // What a drawing shows on a block's face, when its class says so: `static constexpr auto icon = "k/(tau*s + 1)"`, an
@@ -379,6 +394,15 @@ template <typename Class>
 constexpr std::string_view icon_of() {
   if constexpr (requires { Class::icon; }) {
     return Class::icon;
+  } else {
+    return {};
+  }
+}
+
+template <typename Class>
+constexpr std::string_view written_of() {
+  if constexpr (requires { Class::written; }) {
+    return Class::written;
   } else {
     return {};
   }
@@ -400,11 +424,12 @@ constexpr std::string_view example_of() {
 }
 
 // Registers the block of a file. Its name is the file's name.
-#define PLANTLOOP_BLOCK(type_name, Class)                                                                          \
-  BlockType plantloop_block_##type_name() {                                                                        \
-    return BlockType{                                                                                              \
-        #type_name,      {}, Class::summary, Class::details, example_of<Class>(), std::make_unique<const Class>(), \
-        icon_of<Class>()};                                                                                         \
+#define PLANTLOOP_BLOCK(type_name, Class)                                  \
+  BlockType plantloop_block_##type_name() {                                \
+    return BlockType{#type_name,          {},                              \
+                     Class::summary,      Class::details,                  \
+                     example_of<Class>(), std::make_unique<const Class>(), \
+                     icon_of<Class>(),    written_of<Class>()};            \
   }
 
 }  // namespace plantloop

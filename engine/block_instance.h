@@ -27,6 +27,7 @@ class BlockInstance {
   virtual Array table(int index) = 0;
   virtual Array state(int index) = 0;
   virtual Array discrete(int index) = 0;
+  virtual std::vector<Activity> activity(int list) = 0;
   virtual Value hit() = 0;
   virtual Value period() = 0;
   virtual bool connected(int input) = 0;

@@ -169,6 +169,21 @@ class SheetMaker {
     return text;
   }
 
+  // The states in the order of the file, each with where it leads.
+  static Formula face_of(const StateMachineDecl& machine) {
+    std::vector<Formula> lines;
+    for (std::size_t i = 0; i < machine.states.size() && i < 6; ++i) {
+      std::string line = machine.states[i].name;
+      std::string targets;
+      for (const StateMachineDecl::Transition& t : machine.transitions) {
+        if (t.from == i) targets += (targets.empty() ? " → " : ", ") + machine.states[t.to].name;
+      }
+      lines.emplace_back(line + targets);
+    }
+    if (machine.states.size() > 6) lines.emplace_back(fmt::format("and {} more", machine.states.size() - 6));
+    return {Formula::Kind::lines, std::move(lines)};
+  }
+
   void add_subsystem(std::uint32_t s) {
     const GraphScope& scope = g_.scopes[s];
     SheetBlock b;
@@ -177,7 +192,7 @@ class SheetMaker {
     b.has_state = true;
     if (options_.rates && scope.rate != 0) b.note = rate_text({GraphRate::Kind::discrete, scope.rate});
     const std::string name = shown_name(*scope.declaration);
-    const bool open = options_.depth > 0;
+    const bool open = options_.depth > 0 && !scope.type->machine;
     std::vector<std::uint32_t> fed;
     for (std::size_t i = 0; i < scope.type->inputs.size(); ++i) {
       const auto net = static_cast<std::uint32_t>(scope.first_input + i);
@@ -202,6 +217,11 @@ class SheetMaker {
       b.inputs = std::move(texts);
       fed = std::move(really);
       b.formula = name;
+      if (scope.type->machine) {
+        b.is_subsystem = false;
+        b.caption = name;
+        b.formula = face_of(*scope.type->machine);
+      }
     }
     const std::string path = b.path;
     const int index = add(std::move(b));

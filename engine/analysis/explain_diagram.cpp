@@ -91,7 +91,9 @@ std::string events(const Explained& e) {
   const Program& p = *e.program;
   std::vector<std::string> jumps, modes;
   for (const Program::Jump& jump : p.jumps) jumps.push_back(jump.name);
-  for (const Mode& mode : e.operations().modes) modes.push_back(p.sites[mode.site].path);
+  for (const Mode& mode : e.operations().modes) {
+    if (!mode.of_loop) modes.push_back(p.sites[mode.site].path);
+  }
   std::sort(modes.begin(), modes.end());
   modes.erase(std::unique(modes.begin(), modes.end()), modes.end());
   std::string text = "\nevents\n";
@@ -199,6 +201,58 @@ class Restarts {
   std::map<std::string, std::set<std::string>> causes_;
 };
 
+// Closed paths whose values are found together, machines, and what does not always run.
+std::string loops(const Explained& e) {
+  std::string text;
+  std::set<std::string> seen;
+  for (const Loop& loop : e.operations().loops) {
+    if (loop.initial || !seen.insert(loop.path).second) continue;  // what follows from a loop's derivative has its path
+    std::vector<std::string> tears;
+    for (const Loop::Unknown& unknown : loop.unknowns) tears.push_back(unknown.name);
+    const char* how = loop.by_hand    ? "linear, solved as an expression"
+                      : loop.constant ? "linear with constant coefficients, factored once"
+                      : loop.affine   ? "linear, factored at each evaluation"
+                      : loop.exact    ? "nonlinear, Newton's method on exact derivatives"
+                                      : "nonlinear, Newton's method on differences";
+    text += fmt::format("  {}\n    cut at {}; {}\n", loop.path, list(tears), how);
+  }
+  return text.empty() ? text : "\nalgebraic loops\n" + text;
+}
+
+std::string machines(const Graph& graph) {
+  std::string text;
+  for (const auto s : graph.scope_order) {
+    const GraphScope& scope = graph.scopes[s];
+    if (!scope.type->machine) continue;
+    std::vector<std::string> states;
+    for (const StateMachineDecl::State& state : scope.type->machine->states) states.push_back(state.name);
+    text += fmt::format("  {}: {}; {}, begins in {}\n", scope.path, list(states),
+                        counted(scope.type->machine->transitions.size(), "transition"),
+                        states[scope.type->machine->initial]);
+  }
+  return text.empty() ? text : "\nstate machines\n" + text;
+}
+
+std::string conditional_parts(const Graph& graph) {
+  std::vector<std::string> lines;
+  for (std::size_t a = 1; a < graph.activations.size(); ++a) {
+    const GraphActivation& activation = graph.activations[a];
+    std::string line = "  " + activation.path + ":";
+    if (activation.enable_when) {
+      line +=
+          fmt::format(" active while {} > 0, states {}, outputs {}", to_string(*activation.enable_when.code->tree),
+                      activation.resets_states() ? "reset" : "held", activation.resets_outputs() ? "reset" : "held");
+    }
+    if (activation.trigger_when) {
+      line += fmt::format("{} triggered by {} ({})", activation.enable_when ? ";" : "",
+                          to_string(*activation.trigger_when.code->tree), activation.declaration->trigger->edge);
+    }
+    lines.push_back(line + "\n");
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines.empty() ? "" : fmt::format("\nconditional parts\n{}", fmt::join(lines, ""));
+}
+
 std::string structure(const Explained& e) {
   std::vector<std::string> structural, zeros;
   for (std::size_t i = 0; i < e.recorded.uses.size(); ++i) {
@@ -217,7 +271,8 @@ std::string structure(const Explained& e) {
 std::string explain_diagram(const Explained& e) {
   const Model& model = *e.graph->model;
   std::string text = model.title.empty() ? model.path + "\n" : fmt::format("{}: {}\n", model.path, model.title);
-  return text + amounts(e) + rates(*e.graph) + order(e) + events(e) + Restarts(e).text() + structure(e);
+  return text + amounts(e) + rates(*e.graph) + order(e) + loops(e) + machines(*e.graph) + conditional_parts(*e.graph) +
+         events(e) + Restarts(e).text() + structure(e);
 }
 
 }  // namespace plantloop

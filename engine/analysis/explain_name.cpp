@@ -99,8 +99,11 @@ class Teller {
 
   std::string scope(std::uint32_t index) const {
     const GraphScope& s = graph_.scopes[index];
-    std::string text = fmt::format("{}: a subsystem of type {}{}\n", s.path, s.type->name, place(s.declaration->mark));
+    std::string text = s.type->machine ? fmt::format("{}: a state machine{}\n", s.path, place(s.declaration->mark))
+                                       : fmt::format("{}: a subsystem of type {}{}\n", s.path, s.type->name,
+                                                     place(s.declaration->mark));
     if (!s.type->doc.empty()) text += fmt::format("  {}\n", s.type->doc);
+    if (s.type->machine) text += machine(*s.type->machine);
     for (std::uint32_t i = 0; i < s.type->inputs.size(); ++i) {
       const GraphNet& n = graph_.nets[s.first_input + i];
       text += fmt::format("  input {}: {}, {}\n", path_of(graph_, n), drive_text(n), in_words(graph_, n.rate));
@@ -116,7 +119,31 @@ class Teller {
     for (const GraphBlock& b : graph_.blocks) {
       if (b.scope == index) inside.push_back(b.path);
     }
+    if (s.type->machine) return text + fmt::format("  read by: {}\n", readers(outputs));
     return text + fmt::format("  blocks: {}\n  read by: {}\n", names(inside), readers(outputs));
+  }
+
+  static std::string machine(const StateMachineDecl& machine) {
+    std::string text;
+    for (std::size_t i = 0; i < machine.states.size(); ++i) {
+      const StateMachineDecl::State& state = machine.states[i];
+      text += fmt::format("  state {} {}{}:", i + 1, state.name, i == machine.initial ? ", where it begins" : "");
+      for (std::size_t k = 0; k < state.set.size(); ++k)
+        text += fmt::format("{} {} = {}", k > 0 ? "," : "", state.set[k].first, written(*state.set[k].second));
+      text += state.set.empty() ? " sets nothing\n" : "\n";
+      for (const StateMachineDecl::Transition& t : machine.transitions) {
+        if (t.from == i) text += fmt::format("    to {} when {}\n", machine.states[t.to].name, written(*t.when));
+      }
+    }
+    return text;
+  }
+  // As the author wrote it: inside, `elapsed` is an output of the block that keeps the state.
+  static std::string written(const Expression& tree) {
+    std::string text = to_string(tree);
+    constexpr std::string_view inside = "(machine).elapsed";
+    for (std::size_t at = text.find(inside); at != std::string::npos; at = text.find(inside, at))
+      text.replace(at, inside.size(), "elapsed");
+    return text;
   }
 
  private:
@@ -224,7 +251,7 @@ class Teller {
     }
     std::size_t modes = 0;
     for (const Mode& mode : e_.operations().modes) {
-      if (e_.program->sites[mode.site].path == b.path) ++modes;
+      if (!mode.of_loop && e_.program->sites[mode.site].path == b.path) ++modes;
     }
     if (modes > 0) text += fmt::format("  {} whose changes are located\n", counted(modes, "mode"));
     return text;

@@ -40,7 +40,45 @@ Finding& Finding::named(std::string check) {
   return *this;
 }
 
+Level Report::level_of(std::string_view id) const {
+  const auto set = levels_.find(id);
+  if (set != levels_.end()) return set->second;
+  const CheckInfo* info = find_check(id);
+  return info ? info->level : Level::error;
+}
+
+Finding& Report::add_check(std::string_view id, const Mark& mark, std::string message) {
+  const Level level = level_of(id);
+  if (level != Level::off) {
+    const Severity severity = level == Level::error     ? Severity::error
+                              : level == Level::warning ? Severity::warning
+                                                        : Severity::note;
+    return add(severity, mark, std::move(message)).named(std::string(id));
+  }
+  Finding finding{.severity = Severity::note,
+                  .id = std::string(id),
+                  .mark = mark,
+                  .message = std::move(message),
+                  .hints = {},
+                  .related = {}};
+  if (!levels_.contains(id) || silenced_.size() >= most_others) {
+    overflow_ = std::move(finding);
+    return overflow_;
+  }
+  return silenced_.emplace_back(std::move(finding));
+}
+
+void Report::make_strict() {
+  strict_ = true;
+  for (Finding& finding : findings_) {
+    if (finding.severity != Severity::warning) continue;
+    finding.severity = Severity::error;
+    ++errors_, --others_;
+  }
+}
+
 Finding& Report::add(Severity severity, const Mark& mark, std::string message) {
+  if (strict_ && severity == Severity::warning) severity = Severity::error;
   const bool is_error = severity == Severity::error;
   std::size_t& count = is_error ? errors_ : others_;
   ++count;
@@ -55,6 +93,7 @@ Finding& Report::add(Severity severity, const Mark& mark, std::string message) {
 
 void Report::append(Report&& other) {
   for (Finding& finding : other.findings_) findings_.push_back(std::move(finding));
+  for (Finding& finding : other.silenced_) silenced_.push_back(std::move(finding));
   for (auto& source : other.sources_) keep(std::move(source));
   errors_ += other.errors_;
   others_ += other.others_;

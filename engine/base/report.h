@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/checks.h"
 #include "engine/base/mark.h"
 
 namespace plantloop {
@@ -50,6 +52,20 @@ class Report {
     return add(Severity::note, mark, fmt::format(text, std::forward<Args>(args)...));
   }
   Finding& add(Severity severity, const Mark& mark, std::string message);
+  // A finding of one of checks(), with the severity that it has by default or that set_levels() gave it; one that is
+  // off is kept apart. The id is set.
+  template <typename... Args>
+  Finding& check(std::string_view id, const Mark& mark, fmt::format_string<Args...> text, Args&&... args) {
+    return add_check(id, mark, fmt::format(text, std::forward<Args>(args)...));
+  }
+  Finding& add_check(std::string_view id, const Mark& mark, std::string message);
+  Level level_of(std::string_view id) const;
+
+  // The severities of `checks:`, for all findings that follow.
+  void set_levels(std::map<std::string, Level, std::less<>> levels) { levels_ = std::move(levels); }
+  // From now on warnings are errors, and so are those that were found already.
+  void make_strict();
+  bool is_strict() const { return strict_; }
 
   // Takes over all findings of another report, and the sources they point into.
   void append(Report&& other);
@@ -58,12 +74,16 @@ class Report {
   std::size_t error_count() const { return errors_; }                // those that were not kept included
   const std::deque<Finding>& findings() const { return findings_; }  // in the order they were found
   std::vector<const Finding*> sorted() const;                        // by file, line and column
+  const std::deque<Finding>& silenced() const { return silenced_; }  // of checks that are off because levels say so
 
   // Keeps a source alive as long as the report, so that findings can show its lines.
   void keep(std::shared_ptr<const Source> source);
 
  private:
   std::deque<Finding> findings_;  // a deque: a Finding& that error() returned stays valid
+  std::deque<Finding> silenced_;
+  std::map<std::string, Level, std::less<>> levels_;
+  bool strict_ = false;
   std::vector<std::shared_ptr<const Source>> sources_;
   Finding overflow_;
   std::size_t errors_ = 0;

@@ -52,7 +52,7 @@ std::string location_sarif(const Mark& mark, std::string_view message) {
 
 std::string rule_of(const Finding& finding) { return finding.id.empty() ? "diagram" : finding.id; }
 
-std::string result_sarif(const Finding& finding) {
+std::string result_sarif(const Finding& finding, bool silenced) {
   std::string message = finding.message;
   for (const std::string& hint : finding.hints) message += "\n" + hint;
   std::string locations;
@@ -64,17 +64,24 @@ std::string result_sarif(const Finding& finding) {
     related += location_sarif(mark, text);
   }
   if (!related.empty()) related = fmt::format(", \"relatedLocations\": [{}]", related);
-  return fmt::format("{{\"ruleId\": {}, \"level\": \"{}\", \"message\": {{\"text\": {}}}, \"locations\": [{}]{}}}",
-                     quoted(rule_of(finding)), name_of(finding.severity), quoted(message), locations, related);
+  const char* const suppressed = silenced ? R"(, "suppressions": [{"kind": "inSource"}])" : "";
+  return fmt::format("{{\"ruleId\": {}, \"level\": \"{}\", \"message\": {{\"text\": {}}}, \"locations\": [{}]{}{}}}",
+                     quoted(rule_of(finding)), name_of(finding.severity), quoted(message), locations, related,
+                     suppressed);
 }
 
 }  // namespace
 
 std::string to_json(const Report& report) {
   std::string out;
-  for (const Finding* finding : report.sorted()) {
+  std::vector<const Finding*> all = report.sorted();
+  const std::size_t shown = all.size();
+  for (const Finding& finding : report.silenced()) all.push_back(&finding);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Finding* finding = all[k];
     out += out.empty() ? "[\n" : ",\n";
-    out += fmt::format("  {{\"severity\": \"{}\", \"id\": {}", name_of(finding->severity), quoted(finding->id));
+    out += fmt::format("  {{\"severity\": \"{}\", \"id\": {}", k < shown ? name_of(finding->severity) : "off",
+                       quoted(finding->id));
     if (finding->mark.source) out += ", " + place_json(finding->mark);
     out += fmt::format(", \"message\": {}, \"hints\": [", quoted(finding->message));
     for (std::size_t i = 0; i < finding->hints.size(); ++i) out += (i > 0 ? ", " : "") + quoted(finding->hints[i]);
@@ -93,10 +100,12 @@ std::string to_json(const Report& report) {
 std::string to_sarif(const Report& report) {
   std::set<std::string> rules;
   std::string results;
-  for (const Finding* finding : report.sorted()) {
-    rules.insert(rule_of(*finding));
-    results += fmt::format("{}\n      {}", results.empty() ? "" : ",", result_sarif(*finding));
-  }
+  const auto add = [&](const Finding& finding, bool silenced) {
+    rules.insert(rule_of(finding));
+    results += fmt::format("{}\n      {}", results.empty() ? "" : ",", result_sarif(finding, silenced));
+  };
+  for (const Finding* finding : report.sorted()) add(*finding, false);
+  for (const Finding& finding : report.silenced()) add(finding, true);
   std::string listed;
   for (const std::string& rule : rules) {
     listed += fmt::format("{}{{\"id\": {}}}", listed.empty() ? "" : ", ", quoted(rule));

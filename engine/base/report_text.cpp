@@ -6,6 +6,7 @@
 //     did you mean 'kp'?  it has: kp, ki, t_track, lower, upper
 
 #include <algorithm>
+#include <map>
 
 #include "engine/base/report.h"
 #include "engine/base/text.h"
@@ -113,6 +114,12 @@ std::string to_text(const Report& report, bool colour) {
       static_cast<std::size_t>(std::count_if(report.findings().begin(), report.findings().end(),
                                              [](const Finding& f) { return f.severity == Severity::error; }));
   const std::size_t more = report.error_count() - kept;
+  std::map<std::string_view, std::size_t> silenced;
+  for (const Finding& finding : report.silenced()) ++silenced[finding.id];
+  for (const auto& [id, count] : silenced) {
+    out += fmt::format("checks: '{}' is off in this file: {} {} not shown\n", id, count,
+                       count == 1 ? "finding is" : "findings are");
+  }
   if (more > 0) out += fmt::format("... and {} more {}\n", more, more == 1 ? "error" : "errors");
   return out;
 }

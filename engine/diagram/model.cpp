@@ -42,6 +42,10 @@ void read_sections(const Node& root, const PlotWords& plots, Model& model, Repor
     if (key == "expect") model.expect = read_expect(value, report);
     if (key == "checks") model.checks = read_checks(value, report);
   }
+  std::map<std::string, Level, std::less<>> levels;
+  for (const auto& [id, level] : model.checks) levels.emplace(id, level_named(level).value_or(Level::error));
+  report.set_levels(std::move(levels));
+  if (model.simulation.strict) report.make_strict();
 }
 
 void check_library(const Node& root, Model& model, Report& report) {

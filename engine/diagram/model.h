@@ -111,6 +111,23 @@ struct OutputDecl {
 
 struct FileScope;
 
+// What the instance of a state machine says; its type is made from this.
+struct StateMachineDecl {
+  struct State {
+    std::string name;
+    Mark mark;
+    std::vector<std::pair<std::string, ExpressionPtr>> set;  // outputs and their values while in this state
+  };
+  struct Transition {
+    Mark mark;
+    std::size_t from = 0, to = 0;  // into `states`
+    ExpressionPtr when;
+  };
+  std::vector<State> states;  // in the order of the file: the first one has the number 1
+  std::vector<Transition> transitions;
+  std::size_t initial = 0;  // into `states`
+};
+
 // A type, or the diagram itself (which has no inputs and outputs).
 struct TypeDecl {
   std::string name;
@@ -122,6 +139,7 @@ struct TypeDecl {
   std::vector<BlockDecl> blocks;
   const FileScope* file = nullptr;  // which types its blocks may name
   bool bad = false;                 // a finding has been reported that is not about one of its parameters or blocks
+  std::shared_ptr<const StateMachineDecl> machine;  // of a type that stands for a state machine
 };
 
 // The types that a file's blocks may name: its own and those of the files that it imports (directly, not through

@@ -76,6 +76,22 @@ SimulationDecl read_simulation(const Node& node, const Mark& mark, Report& repor
   return simulation;
 }
 
+namespace {
+
+void report_check_name(const std::string& name, const Mark& mark, const CheckInfo* info, Report& report) {
+  if (info) {
+    report.error(mark, "'{}' is an error in any case: nothing runs with it", name).named("choice");
+    return;
+  }
+  std::vector<std::string> names;
+  for (const CheckInfo& check : checks()) {
+    if (!check.fixed) names.emplace_back(check.id);
+  }
+  report.error(mark, "there is no check '{}'", name).suggest(name, names).named("unknown-key");
+}
+
+}  // namespace
+
 std::map<std::string, std::string> read_checks(const Node& node, Report& report) {
   std::map<std::string, std::string> checks;
   if (!node.is_mapping()) {
@@ -88,6 +104,10 @@ std::map<std::string, std::string> read_checks(const Node& node, Report& report)
   constexpr std::string_view levels[] = {"note", "warning", "error", "off"};
   for (std::size_t i = 0; i < node.items.size(); ++i) {
     const Node& value = node.items[i];
+    const CheckInfo* const info = find_check(node.keys[i]);
+    if (!info || info->fixed) {
+      report_check_name(node.keys[i], node.key_marks[i], info, report);
+    }
     if (value.is_scalar() && std::find(std::begin(levels), std::end(levels), value.text) != std::end(levels)) {
       checks[node.keys[i]] = value.text;
       continue;

@@ -42,6 +42,9 @@ class ActivationChecks {
       }
       if (activation.resets_states()) check_states(static_cast<std::uint32_t>(a));
     }
+    for (const GraphBlock& block : g_.blocks) {
+      if (block.type && block.type->name == "merge") check_merge(block);
+    }
   }
 
  private:
@@ -106,6 +109,28 @@ class ActivationChecks {
         .error(initial.mark, "'{}' is {}, its value before the first activation is {}", path_of(g_, net),
                to_string(net.shape), to_string(shape))
         .named("sizes");
+  }
+
+  // What writes one signal together must be conditional.
+  void check_merge(const GraphBlock& block) {
+    for (std::uint32_t i = 0; i < block.inputs; ++i) {
+      const GraphNet& net = g_.nets[block.first_input + i];
+      if (net.bad) continue;
+      const std::string entry = to_string(*net.driver.code->tree);
+      const Reference* writer = net.driver.code->is_name() ? &g_.references[net.driver.first_reference] : nullptr;
+      if (!writer || writer->kind != Reference::Kind::net) {
+        e_.findings
+            .error(net.mark, "{} takes outputs of conditional blocks by their names, not '{}'", title_of(g_, block),
+                   entry)
+            .hint("write in: [low, high], where low and high are enabled or triggered")
+            .named("activation");
+      } else if (activation_of(g_, g_.nets[writer->index]) == 0) {
+        e_.findings
+            .error(net.mark, "'{}' is always active, so {} would never show another entry", entry, title_of(g_, block))
+            .hint("give its block an enable: or trigger:")
+            .named("activation");
+      }
+    }
   }
 
   // Resetting needs values that are known at any time.

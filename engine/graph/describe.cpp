@@ -64,7 +64,8 @@ std::vector<Row> inputs_of(const Block& block) {
   return rows;
 }
 
-std::vector<Row> parameters_of(const Block& block) {
+std::vector<Row> parameters_of(const BlockType& type) {
+  const Block& block = *type.block;
   std::vector<Row> rows;
   for (const Number* n : block.numbers) {
     const NumberSpec& s = n->spec;
@@ -89,9 +90,13 @@ std::vector<Row> parameters_of(const Block& block) {
     rows.push_back({std::string(c->name), c->words.front(), words, "", std::string(c->doc)});
   }
   for (const Text* t : block.texts) {
-    const bool needed = t->spec.file && !t->spec.optional && t->spec.init.empty();
+    const bool own_form = !type.written.empty();
+    const bool needed = (t->spec.file || own_form) && !t->spec.optional && t->spec.init.empty();
     rows.push_back({std::string(t->name), needed ? "required" : std::string(t->spec.init),
-                    t->spec.file ? "a file" : "a text", "", std::string(t->spec.doc)});
+                    t->spec.file ? "a file"
+                    : own_form   ? ""
+                                 : "a text",
+                    "", std::string(t->spec.doc)});
   }
   // In the order of declaration, whatever their kinds.
   std::vector<Row> ordered;
@@ -103,8 +108,9 @@ std::vector<Row> parameters_of(const Block& block) {
   return ordered;
 }
 
-std::vector<Section> sections_of(const Block& block) {
-  std::vector<Section> sections{{"inputs", inputs_of(block)}, {"parameters", parameters_of(block)}};
+std::vector<Section> sections_of(const BlockType& type) {
+  const Block& block = *type.block;
+  std::vector<Section> sections{{"inputs", inputs_of(block)}, {"parameters", parameters_of(type)}};
   Section states{"states", {}};
   for (const State* s : block.states) {
     states.rows.push_back(
@@ -127,6 +133,7 @@ std::vector<Section> sections_of(const Block& block) {
 std::string shortest_use(const BlockType& type) {
   const Block& block = *type.block;
   std::string text = fmt::format("{{type: {}", type.name);
+  if (!type.written.empty()) return fmt::format("{}, {}}}", text, type.written);
   std::vector<std::string_view> open;
   for (const Input* input : block.inputs) {
     if (std::isnan(input->spec.init)) open.push_back(input->name);
@@ -199,7 +206,7 @@ std::string block_section(const BlockType& type, std::string_view heading) {
   std::string text = fmt::format("{} {}\n\n{}\n\n", heading, type.name, type.summary);
   if (!type.details.empty()) text += fmt::format("```\n{}```\n\n", wrapped(type.details, ""));
   text += fmt::format("Group: {}. In short: `name: {}`\n", type.group, shortest_use(type));
-  for (const Section& section : sections_of(*type.block)) {
+  for (const Section& section : sections_of(type)) {
     if (section.rows.empty()) continue;
     const bool parameters =
         section.title == std::string_view("parameters") || section.title == std::string_view("inputs");
@@ -220,7 +227,7 @@ std::string block_section(const BlockType& type, std::string_view heading) {
 
 std::string block_text(const BlockType& type) {
   std::string text = fmt::format("{} ({}): {}\n\n{}", type.name, type.group, type.summary, wrapped(type.details, "  "));
-  for (const Section& section : sections_of(*type.block)) {
+  for (const Section& section : sections_of(type)) {
     if (section.rows.empty()) continue;
     std::size_t name = 0, standard = 0, unit = 0;
     for (const Row& row : section.rows) {

@@ -443,8 +443,7 @@ void show_default(Elaboration& e) {
   };
   for (std::size_t i = 0; i < top.type->blocks.size(); ++i) add_child(g.children[top.first_child + i], add_child);
   if (g.columns_cut) {
-    e.findings.note({}, "only the first {} columns are recorded: name what you want under record:", most)
-        .named("columns");
+    e.findings.check("columns", {}, "only the first {} columns are recorded: name what you want under record:", most);
   }
 }
 
@@ -550,6 +549,7 @@ void check_unused_types(Elaboration& e) {
   find_sizes(alone);
   Resets(alone).run();
   check_activations(alone);
+  check_state_machines(alone);
 }
 
 }  // namespace
@@ -568,6 +568,7 @@ std::shared_ptr<const Graph> elaborate(std::shared_ptr<const Model> model, const
   find_sizes(e);
   Resets(e).run();
   check_activations(e);
+  check_state_machines(e);
   find_rates(e);
   Showing(e).run();
   show_default(e);

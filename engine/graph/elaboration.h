@@ -79,7 +79,13 @@ struct Elaboration {
   std::vector<std::uint32_t> parameter_order;                       // dependencies first
   std::vector<OverrideNode*> scope_overrides;                       // by scope; null: none below
   std::set<std::pair<const TypeDecl*, std::string>> unknown_names;  // said already
-  std::deque<BlockDecl> made_up;            // instances of types that are looked at on their own
+  std::deque<BlockDecl> made_up;  // instances of types that are looked at on their own
+  // Of state machines: the instance of a type that was made from what the instance says; null where that is wrong.
+  struct MadeMachine {
+    BlockDecl instance;
+    std::shared_ptr<const TypeDecl> type;
+  };
+  std::map<const BlockDecl*, std::shared_ptr<const MadeMachine>> machines;
   std::vector<BoundExpression> counts;      // numbers that the structure was made from, to be resolved
   std::deque<OverrideNode> copy_overrides;  // what is set for all copies and for one of them
 
@@ -123,6 +129,11 @@ std::optional<std::uint32_t> count_copies(Elaboration& e, const BlockDecl& decl,
 OverrideNode* overrides_of_copy(Elaboration& e, OverrideNode* all, std::uint32_t number);
 // The bus that a net stands for, or nowhere.
 void find_buses(Elaboration& e);
+// A state machine as an instance of a subsystem: its guards are wires of one block, its outputs expressions over that
+// block's state. Null after reporting.
+const Elaboration::MadeMachine* make_state_machine(Elaboration& e, const BlockDecl& decl, std::uint32_t scope);
+bool is_machine_core(const BlockDecl& decl);  // that block
+void check_state_machines(Elaboration& e);    // guards that are no single condition
 
 // Binds the names of one expression; false after reporting that some mean nothing.
 bool resolve(Elaboration& e, BoundExpression& bound, Context context);

@@ -206,6 +206,7 @@ struct GraphShown {
 struct Graph {
   std::shared_ptr<const Model> model;
   std::vector<std::shared_ptr<const Source>> sources;  // of the overrides
+  std::vector<std::shared_ptr<const void>> made;       // declarations that stand for state machines
   CodeCache codes;
   std::vector<GraphScope> scopes;
   std::vector<GraphChild> children;

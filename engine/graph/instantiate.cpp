@@ -109,6 +109,10 @@ class Instantiation {
       if (own->bad) return {};  // reported too
       return add_scope(s, decl, *own);
     }
+    if (decl.type == "state_machine" && !is_machine_core(decl)) {
+      const Elaboration::MadeMachine* made = make_state_machine(e_, decl, s);
+      return made ? add_scope(s, made->instance, *made->type) : GraphChild{};
+    }
     if (const BlockType* built_in = find_block(decl.type)) return add_block(s, decl, *built_in);
     report_unknown_type(s, decl);
     return {};
@@ -238,12 +242,6 @@ class Instantiation {
   }
 
   void report_unknown_type(std::uint32_t s, const BlockDecl& decl) {
-    for (const char* later : {"state_machine"}) {
-      if (decl.type == later) {
-        e_.findings.error(decl.type_mark, "the block type '{}' is not built yet", decl.type).named("not-built");
-        return;
-      }
-    }
     if (asks_for_derivative(decl.type)) {
       e_.findings.error(decl.type_mark, "there is no pure derivative: it would amplify noise and steps without bound")
           .hint("use filtered_derivative, which has a pole at N, or velocity_pi for a controller in velocity form")
@@ -423,7 +421,7 @@ class Instantiation {
     const auto index = static_cast<std::uint32_t>(g_.blocks.size());
     {
       GraphBlock& block = g_.blocks.emplace_back();
-      block.path = join_path(g_.scopes[s].path, name_of(decl));
+      block.path = is_machine_core(decl) ? g_.scopes[s].path : join_path(g_.scopes[s].path, name_of(decl));
       block.declaration = &decl;
       block.type = &type;
       block.scope = s;
@@ -946,7 +944,7 @@ class Instantiation {
 
   void check_type(const TypeDecl& type) {
     if (!checked_.insert(&type).second) return;
-    if (type.file && type.name.size() && (find_block(type.name) || type.name == "bus")) {
+    if (type.file && !type.machine && type.name.size() && (find_block(type.name) || type.name == "bus")) {
       e_.findings.error(type.mark, "'{}' is the name of a built-in block type", type.name).named("built-in-type");
     }
   }

@@ -36,6 +36,10 @@ class RateFinding {
     decide_sources();
     push_all();
     work();
+    if (decide_watchers()) {
+      push_all();
+      work();
+    }
     verify();
   }
 
@@ -293,10 +297,28 @@ class RateFinding {
       rate = block.rate;
     } else {
       for (std::uint32_t i = 0; i < block.inputs; ++i) rate = combine(rate, g_.nets[block.first_input + i].rate);
+      if (is_merge(block) && has_several_clocks(block)) rate = {GraphRate::Kind::continuous, 0};
       if (rate.kind != GraphRate::Kind::constant) block.rate_reason = "from its inputs";
+      if (kind == RateKind::watching && rate.kind == GraphRate::Kind::constant && decided_source_[index]) {
+        rate.kind = GraphRate::Kind::continuous;
+        block.rate_reason = "it watches the time";
+      }
     }
     block.rate = rate;
     for (std::uint32_t i = 0; i < block.outputs; ++i) set_net(block.first_output + i, rate);
+  }
+
+  // Of entries that run at different instants each counts from its own on.
+  static bool is_merge(const GraphBlock& block) { return block.type->name == "merge"; }
+  bool has_several_clocks(const GraphBlock& block) const {
+    std::uint16_t first = 0;
+    for (std::uint32_t i = 0; i < block.inputs; ++i) {
+      const GraphRate rate = g_.nets[block.first_input + i].rate;
+      if (rate.kind != GraphRate::Kind::discrete) continue;
+      if (first != 0 && rate.index != first) return true;
+      first = rate.index;
+    }
+    return false;
   }
 
   // ---- sources (f)
@@ -314,6 +336,17 @@ class RateFinding {
       block.rate = rate != 0 ? clock(rate) : GraphRate{GraphRate::Kind::continuous, 0};
       block.rate_reason = rate != 0 ? "from its readers" : "a source";
     }
+  }
+
+  // Blocks that watch the time although nothing that they read changes.
+  bool decide_watchers() {
+    bool any = false;
+    for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) {
+      const GraphBlock& block = g_.blocks[i];
+      if (!block.type || block.type->block->rate_kind() != RateKind::watching) continue;
+      if (block.rate.kind == GraphRate::Kind::constant) decided_source_[i] = any = true;
+    }
+    return any;
   }
 
   // The one clock of all blocks that read a source, also through others that only it feeds; 0: none.

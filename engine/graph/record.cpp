@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -50,6 +51,7 @@ class RecordingInstance final : public StaticInstance {
   Array table(int index) override;
   Array state(int index) override { return states_[static_cast<std::size_t>(index)]; }
   Array discrete(int index) override { return discretes_[static_cast<std::size_t>(index)]; }
+  std::vector<Activity> activity(int list) override;
   Value hit() override;
   Value period() override;
   std::vector<Value> kernel(std::shared_ptr<const Kernel> kernel, std::vector<Value> inputs,
@@ -73,6 +75,8 @@ class RecordingInstance final : public StaticInstance {
     bool of_slope, of_kernel;
     std::vector<Assignment> assignments;
     std::uint32_t site;
+    bool level;
+    std::string name;
   };
   Array sized(const Size& size, Array value) const;
   const Shape& state_shape(bool discrete, int index) const;
@@ -151,6 +155,40 @@ class GraphRecording {
     recorder_.record.discretes.push_back(std::move(last));
     const Value before = recorder_.discrete(static_cast<std::uint32_t>(recorder_.record.discretes.size() - 1));
     return elapsed_.emplace(activation, recorder_.operation(Op::sub, recorder_.time(), before, 0)).first->second;
+  }
+
+  // Whether what belongs to an activation runs now, and since when.
+  Activity activity_of(std::uint32_t a) {
+    constexpr double never = std::numeric_limits<double>::lowest();
+    if (a == 0) return {{}, Truth(Value(1.0)), Value(never)};
+    const GraphActivation& activation = g_.activations[a];
+    std::uint32_t trigger = a;
+    while (trigger != 0 && g_.activations[trigger].rate == 0) trigger = g_.activations[trigger].parent;
+    const Stamp stamp(*this, 0, 0);
+    recorder_.plain = true;
+    recorder_.site = recorder_.add_site(activation.path, "activity", activation.declaration->mark);
+    if (trigger != 0) {
+      recorder_.rate = rate_of({GraphRate::Kind::discrete, g_.activations[trigger].rate});
+      const Value latest = recorder_.operation(Op::copy, recorder_.time(), 0, 0);
+      const Truth ever = recorder_.hit(recorder_.rate) >= Value(0.0);
+      recorder_.rate = 0;
+      const Value since = where(ever, latest, Value(never));
+      return {activation.path, equal(since, recorder_.time()), since};
+    }
+    const auto known = since_.find(a);
+    if (known != since_.end()) return {activation.path, Truth(gates_[a]), known->second};
+    RecordedDiscrete since;
+    since.name = activation.path + ".since";
+    since.site = recorder_.site;
+    since.initial = where(Truth(gates_[a]), recorder_.time(), Value(never));
+    since.unit = "s";
+    recorder_.record.discretes.push_back(std::move(since));
+    const auto index = static_cast<std::uint32_t>(recorder_.record.discretes.size() - 1);
+    const Value value = recorder_.discrete(index);
+    recorder_.record.discretes[index].next = value;
+    enabled_since_.emplace_back(a, index);
+    since_.emplace(a, value);
+    return {activation.path, Truth(gates_[a]), value};
   }
 
   // Everything recorded from now on runs under an activation.
@@ -582,6 +620,9 @@ class GraphRecording {
         jump.site = recorder_.site = recorder_.add_site(jump.name, "enable", activation.declaration->enable->mark);
         jump.function = gates_[a] - Value(0.5);
         jump.direction = 1;
+        for (const auto& [other, state] : enabled_since_) {
+          if (other == a) jump.assignments.push_back({true, state, recorder_.time()});
+        }
         std::vector<RecordedJump> jumps{std::move(jump)};
         for (const std::uint32_t b : g_.order) {
           if (!activation.resets_states() || !g_.blocks[b].type || !is_within(g_, g_.blocks[b].activation, a)) continue;
@@ -739,13 +780,28 @@ class GraphRecording {
   }
 
   RecordedGraph::Range add_columns(const std::string& name, const Array& value, const std::string& unit, RateIndex rate,
-                                   bool written) {
+                                   bool written, const std::vector<std::string>& names = {}) {
     const RecordedGraph::Range range{static_cast<std::uint32_t>(result_.columns.size()),
                                      static_cast<std::uint32_t>(value.size())};
     for (int i = 0; i < value.size(); ++i) {
-      result_.columns.push_back({name + element_suffix(value.shape(), i), value[i], unit, rate, written});
+      result_.columns.push_back({name + element_suffix(value.shape(), i), value[i], unit, rate, written, names});
     }
     return range;
+  }
+
+  // What the numbers of a state machine's state are called.
+  std::vector<std::string> state_names(const GraphNet& net) const {
+    std::vector<std::string> names;
+    if (net.kind != GraphNet::Kind::scope_output || net.port != 0) return names;
+    if (const auto& machine = g_.scopes[net.owner].type->machine) {
+      for (const StateMachineDecl::State& state : machine->states) names.push_back(state.name);
+    }
+    return names;
+  }
+  std::vector<std::string> state_names(const BoundExpression& bound) const {
+    if (!bound.code->is_name()) return {};
+    const Reference& r = g_.references[bound.first_reference];
+    return r.kind == Reference::Kind::net && r.whole ? state_names(g_.nets[r.index]) : std::vector<std::string>{};
   }
 
   void show_columns() {
@@ -765,11 +821,12 @@ class GraphRecording {
       if (column.net != nowhere) {
         const GraphNet& net = g_.nets[column.net];
         by_text.emplace(column.name, add_columns(column.name, value_seen(column.net), std::string(net.unit),
-                                                 rate_of(net.rate), true));
+                                                 rate_of(net.rate), true, state_names(net)));
         continue;
       }
       const GraphShown& shown = g_.shown[column.shown];
-      const auto range = add_columns(column.name, values[column.shown], shown.unit, rate_of_names(shown.bound), true);
+      const auto range = add_columns(column.name, values[column.shown], shown.unit, rate_of_names(shown.bound), true,
+                                     state_names(shown.bound));
       by_text.emplace(to_string(*shown.bound.code->tree), range);
       result_.shown.emplace(shown.expression, range);
     }
@@ -779,8 +836,8 @@ class GraphRecording {
       const std::string text = to_string(*shown.bound.code->tree);
       auto [it, is_new] = by_text.try_emplace(text);
       if (is_new) {
-        it->second =
-            add_columns(to_string(*shown.expression), values[i], shown.unit, rate_of_names(shown.bound), false);
+        it->second = add_columns(to_string(*shown.expression), values[i], shown.unit, rate_of_names(shown.bound), false,
+                                 state_names(shown.bound));
       }
       result_.shown.emplace(shown.expression, it->second);
     }
@@ -811,6 +868,8 @@ class GraphRecording {
   std::vector<std::uint16_t> gate_numbers_;  // its number in the Record; 0: always enabled
   std::unordered_map<std::uint32_t, Array> seen_;
   std::unordered_map<std::uint32_t, Value> elapsed_;
+  std::unordered_map<std::uint32_t, Value> since_;                      // per activation
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> enabled_since_;  // the same: activation and discrete state
   std::vector<std::pair<std::uint32_t, std::uint32_t>>
       block_states_;  // first continuous and discrete state of each block
 };
@@ -967,6 +1026,16 @@ Array RecordingInstance::table(int index) {
   return value;
 }
 
+std::vector<Activity> RecordingInstance::activity(int) {
+  std::vector<Activity> entries;
+  for (std::uint32_t i = 0; i < block_->inputs; ++i) {
+    const GraphNet& net = graph_.nets[block_->first_input + i];
+    const Reference& writer = graph_.references[net.driver.first_reference];  // merge checks that it is a name
+    entries.push_back(recording_.activity_of(activation_of(graph_, graph_.nets[writer.index])));
+  }
+  return entries;
+}
+
 Value RecordingInstance::hit() {
   const RateIndex rate = recording_.rate_of(block_->rate);
   return rate != 0 ? recording_.recorder().hit(rate) : Value(0);
@@ -1013,8 +1082,14 @@ void RecordingInstance::write(Written what, int index, const Array& value) {
 }
 
 int RecordingInstance::event(const Crossing& crossing) {
-  events_.push_back(
-      {crossing.function, crossing.direction, crossing.of_slope, crossing.of_kernel, {}, recording_.recorder().site});
+  events_.push_back({crossing.function,
+                     crossing.direction,
+                     crossing.of_slope,
+                     crossing.of_kernel,
+                     {},
+                     recording_.recorder().site,
+                     crossing.level,
+                     crossing.name});
   return static_cast<int>(events_.size() - 1);
 }
 
@@ -1031,13 +1106,14 @@ void RecordingInstance::finish() {
     // A scalar function moves all elements of a state, a vector each its own.
     for (int i = 0; i < event.function.size(); ++i) {
       RecordedJump jump;
-      jump.name = block_->path + (count == 1 ? ".jump" : fmt::format(".jump{}", k + 1)) +
-                  element_suffix(event.function.shape(), i);
+      const std::string name = !event.name.empty() ? event.name : count == 1 ? "jump" : fmt::format("jump{}", k + 1);
+      jump.name = block_->path + "." + name + element_suffix(event.function.shape(), i);
       jump.site = event.site;
       jump.function = event.function[i];
       jump.direction = event.direction == Direction::rising ? 1 : event.direction == Direction::falling ? -1 : 0;
       jump.of_slope = event.of_slope;
       jump.of_kernel = event.of_kernel;
+      jump.level = event.level;
       jump.rate = recording_.rate_of(block_->rate);
       jump.activation = recording_.recorder().activation;
       for (const Assignment& a : event.assignments) {

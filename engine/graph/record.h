@@ -28,7 +28,8 @@ struct ShownColumn {
   Value value;
   std::string unit;
   RateIndex rate = 0;
-  bool written = false;  // named by `record:`; the others are logged only
+  bool written = false;                 // named by `record:`; the others are logged only
+  std::vector<std::string> names = {};  // of a state machine's state: what the numbers from 1 are called
 };
 
 // What must happen when a tunable number gets a new value; parallel to Record::parameters.

@@ -63,6 +63,22 @@ std::string of_strings(const std::vector<std::string>& words) {
   return "[" + list + "]";
 }
 
+// The values of keys that a block writes in a form of its own; "" for others.
+std::string form_of(const BlockType& type, std::string_view key) {
+  if (type.name != "state_machine") return {};
+  if (key == "states") {
+    return R"({"type":"object","minProperties":1,"additionalProperties":{"type":["object","null"],"properties":{"set":)"
+           R"({"type":"object","additionalProperties":{"$ref":"#/$defs/expression"}}},"additionalProperties":false},)"
+           R"("description":"names, with the outputs that are set in each"})";
+  }
+  if (key == "transitions") {
+    return R"({"type":"array","items":{"type":"object","properties":{"from":{"type":"string"},"to":{"type":"string"},)"
+           R"("when":{"$ref":"#/$defs/expression"}},"required":["from","to","when"],"additionalProperties":false},)"
+           R"("description":"by falling priority"})";
+  }
+  return {};
+}
+
 std::string definition_of(const BlockType& type) {
   const Block& block = *type.block;
   Object properties;
@@ -92,6 +108,11 @@ std::string definition_of(const BlockType& type) {
     properties.add(c->name, Object().add("enum", of_strings(words)).add("description", quoted(c->doc)).text());
   }
   for (const Text* t : block.texts) {
+    if (!type.written.empty()) needed.emplace_back(t->name);
+    if (const std::string form = form_of(type, t->name); !form.empty()) {
+      properties.add(t->name, form);
+      continue;
+    }
     properties.add(t->name, Object().add("type", quoted("string")).add("description", quoted(t->spec.doc)).text());
   }
   for (const char* key : {"in", "rate", "reset", "enable", "trigger", "repeat", "first", "last", "doc", "unit", "label",

@@ -45,6 +45,7 @@ class StaticInstance : public BlockInstance {
   Array table(int) override { return not_yet(); }
   Array state(int) override { return not_yet(); }
   Array discrete(int) override { return not_yet(); }
+  std::vector<Activity> activity(int) override { return {}; }
   Value hit() override { return 0; }
   Value period() override { return 0; }
   std::vector<Value> kernel(std::shared_ptr<const Kernel>, std::vector<Value>, std::vector<Value>) override {

@@ -274,7 +274,7 @@ class Compiler {
     program_->guard_list = plain(guard_roots_);
     program_->watch_list = plain(resolved_->watches);
     std::vector<std::uint32_t> updates, jumps, advances;
-    for (const Mode& mode : graph_.modes) updates.push_back(mode.update);
+    for (const Mode& mode : graph_.modes) updates.push_back(mode.of_loop ? mode.operation : mode.update);
     program_->mode_list = plain(updates);
     for (std::uint32_t j = 0; j < record_.jumps.size(); ++j) {
       for (const auto value : resolved_->jumps[j].values) jumps.push_back(value);
@@ -475,6 +475,13 @@ class Compiler {
         placed.column.push_back(entry.column);
       }
       if (!request.roots.empty()) placed.jacobian_list = slots.lower(request);
+      request.roots.clear();
+      for (const std::uint32_t mode : loop.modes) {
+        request.roots.push_back(graph_.modes[mode].update);
+        placed.modes.push_back(slots.slot(graph_.modes[mode].operation));
+        placed.mode_sites.push_back(graph_.modes[mode].site);
+      }
+      if (!request.roots.empty()) placed.mode_list = slots.lower(request);
     }
   }
 
@@ -567,6 +574,7 @@ class Compiler {
       jump.triggers = record_.jumps[j].triggers;
       jump.of_kernel = record_.jumps[j].of_kernel;
       jump.enabled = enabled_[j];
+      jump.level = record_.jumps[j].level;
       for (const auto& assignment : record_.jumps[j].assignments) {
         jump.targets.push_back(
             {assignment.discrete, assignment.discrete ? program_->discretes[assignment.index]

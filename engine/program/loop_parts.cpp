@@ -47,8 +47,11 @@ void look_outside(OperationGraph& graph, std::uint32_t index) {
   std::vector<std::uint32_t> residuals, entries;
   for (const Loop::Unknown& unknown : loop.unknowns) residuals.push_back(unknown.residual);
   for (const Loop::Entry& entry : loop.jacobian) entries.push_back(entry.value);
+  std::vector<std::uint32_t> updates;
+  for (const std::uint32_t mode : loop.modes) updates.push_back(graph.modes[mode].update);
   bool by_residual = false, by_jacobian = false;
   walk(residuals, by_residual);
+  walk(updates, by_residual);
   walk(entries, by_jacobian);
   for (auto* list : {&loop.inputs, &loop.leaves}) {
     std::sort(list->begin(), list->end());

@@ -257,7 +257,10 @@ void look_at_members(const Record& record, bool initial, RecordedLoop& loop) {
   for (const auto id : loop.members) {
     const RecordedNode& node = record.nodes[id];
     if (node.op == Op::wire) continue;
-    if (node.activation != 0) loop.problem = RecordedLoop::Problem::conditional;
+    const Value gate = record.activations[node.activation];
+    const bool by_itself = node.activation != 0 && !gate.is_known() &&
+                           std::binary_search(loop.members.begin(), loop.members.end(), gate.id());
+    if (by_itself || record.rates[node.rate].triggered) loop.problem = RecordedLoop::Problem::conditional;
     if (initial) {
       const bool starts = node.op == Op::state || node.op == Op::discrete ||
                           (node.op == Op::kernel && record.kernels[node.a].kernel->starts_with_inputs() &&

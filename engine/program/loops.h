@@ -22,7 +22,7 @@ struct RecordedLoop {
     none,
     mixed_rates,     // sampled members of several rates, or a closed path without a sampled member beside one with
     no_number,       // a closed path of conditions only
-    conditional,     // members that do not always run
+    conditional,     // members that are triggered, or that decide whether members are active
     initial_values,  // initial values of states depend on each other
   };
   std::vector<std::uint32_t> members;  // ascending

@@ -182,6 +182,7 @@ Value OperationGraph::plain(Op op, Value a, Value b, Value c) {
 Value OperationGraph::mode(Op op, Value a, Value b) {
   const Value update = plain(op, a, b);
   if (update.is_known()) return update;
+  if (loop_with_modes != none) return mode_of_loop(update);
   const auto known = mode_of_update_.find(update.id());
   if (known != mode_of_update_.end()) return leaf(Op::mode, known->second, event_bit);
   const auto index = static_cast<std::uint32_t>(modes.size());
@@ -200,6 +201,18 @@ Value OperationGraph::mode(Op op, Value a, Value b) {
     guard(a - b);
   }
   modes[index].guards = std::move(guards);
+  return self;
+}
+
+Value OperationGraph::mode_of_loop(Value update) {
+  std::vector<std::uint32_t>& own = loops[loop_with_modes].modes;
+  for (const std::uint32_t m : own) {
+    if (modes[m].update == update.id()) return Value::node(modes[m].operation);
+  }
+  const auto index = static_cast<std::uint32_t>(modes.size());
+  const Value self = leaf(Op::mode, index, operations[loops[loop_with_modes].operation].mask);
+  modes.push_back({update.id(), {}, site, true, self.id()});
+  own.push_back(index);
   return self;
 }
 
@@ -240,7 +253,8 @@ Value OperationGraph::operation(Op op, Value a, Value b, Value c) {
   if (arity > 1) mask |= mask_of(b);
   if (arity > 2) mask |= mask_of(c);
   if (rate != 0 && mask != 0) mask = rate_bit(rate);
-  if (make_modes && (mask & continuous_bit) != 0 && makes_modes(op)) return as_mode(op, a, b);
+  const bool may_change = (mask & continuous_bit) != 0 || (loop_with_modes != none && mask != 0);
+  if (make_modes && may_change && makes_modes(op)) return as_mode(op, a, b);
   Operation o;
   o.op = op;
   o.activation = mask == 0 ? std::uint16_t{0} : activation;

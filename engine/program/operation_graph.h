@@ -40,6 +40,8 @@ struct Mode {
   std::uint32_t update;               // its value by comparing the present values
   std::vector<std::uint32_t> guards;  // they cross zero where the value changes
   std::uint32_t site;
+  bool of_loop = false;         // frozen only while the sampled loop that it belongs to is solved; no guards
+  std::uint32_t operation = 0;  // of a loop's: Op::mode
 };
 
 // Unknowns that equations determine together: an algebraic loop that was torn, or declared constraints.
@@ -55,12 +57,13 @@ struct Loop {
     std::uint32_t row, column, value;
   };
   std::vector<Unknown> unknowns;
-  std::vector<Entry> jacobian;  // d residual[row] / d unknown[column]
-  bool exact = true;            // the jacobian is complete: no kernel without derivative takes part
-  bool affine = false;          // the jacobian depends on no unknown
-  bool constant = false;        // it depends on parameters only
-  bool initial = false;         // of the initial list
-  bool by_hand = false;         // its one unknown became an expression: nothing reads the loop itself
+  std::vector<Entry> jacobian;       // d residual[row] / d unknown[column]
+  bool exact = true;                 // the jacobian is complete: no kernel without derivative takes part
+  bool affine = false;               // the jacobian depends on no unknown
+  bool constant = false;             // it depends on parameters only
+  bool initial = false;              // of the initial list
+  bool by_hand = false;              // its one unknown became an expression: nothing reads the loop itself
+  std::vector<std::uint32_t> modes;  // of a sampled loop: frozen while it is solved, then looked at again
   // What is computed before and read inside, without parameters; and what changes by itself and is read inside.
   std::vector<std::uint32_t> inputs, leaves;
   std::string path;  // "a -> b -> a", for messages
@@ -82,6 +85,8 @@ class OperationGraph final : public OperationSink {
   RateIndex rate = 0;
   std::uint16_t activation = 0;
   bool make_modes = true;  // false: comparisons stay plain
+  // The sampled loop whose members are being made: what they compare are modes of it.
+  std::uint32_t loop_with_modes = Loop::none;
 
   Value operation(Op op, Value a, Value b, Value c) override;
   Value leaf(Op op, std::uint32_t index, Mask mask);
@@ -108,6 +113,7 @@ class OperationGraph final : public OperationSink {
   Value plain(Op op, Value a, Value b = 0, Value c = 0);
   Value as_mode(Op op, Value a, Value b);
   Value mode(Op op, Value a, Value b);
+  Value mode_of_loop(Value update);
   std::uint32_t find(const Operation& operation) const;
   void grow_table();
   std::vector<std::uint32_t> table_;  // open addressing, load at most a half

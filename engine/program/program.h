@@ -66,6 +66,7 @@ struct Program {
     RateIndex triggers = 0;       // the rate that has a hit when it fires
     SlotIndex enabled = no_gate;  // of a trigger: it counts only where this is not 0 at the event
     bool of_kernel = false;       // a kernel's output is not smooth there, and nothing else happens
+    bool level = false;           // it also fires where its function is positive when it begins to be looked at
   };
   std::vector<Jump> jumps;
   struct Schedule {
@@ -98,9 +99,12 @@ struct Program {
     std::vector<SlotIndex> lower, upper, guess;           // no_slot: none
     List residual_list;                                   // roots: the residuals, zero at the solution
     List jacobian_list;                                   // roots: the entries of the Jacobian
-    std::vector<std::uint32_t> row, column;               // of the entries
-    std::uint32_t first_value = 0;                        // in the Frame's loop values
-    std::uint32_t first_room = 0;                         // in the Frame's loop room
+    List mode_list;                                       // roots: the values of the modes by present values
+    std::vector<SlotIndex> modes;                         // of a sampled loop: frozen while it is solved
+    std::vector<std::uint32_t> mode_sites;
+    std::vector<std::uint32_t> row, column;  // of the entries
+    std::uint32_t first_value = 0;           // in the Frame's loop values
+    std::uint32_t first_room = 0;            // in the Frame's loop room
     std::size_t size() const { return names.size(); }
   };
   std::vector<Loop> loops;

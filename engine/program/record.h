@@ -85,6 +85,7 @@ struct RecordedJump {
   int direction = 0;       // 1 rising, -1 falling, 0 either
   bool of_slope = false;   // it fires where the function's derivative by time crosses zero
   bool of_kernel = false;  // a kernel's output is not smooth there, and nothing else happens
+  bool level = false;      // it also fires where the function is positive when it begins to be looked at
   RateIndex rate = 0;
   struct Assignment {
     bool discrete;

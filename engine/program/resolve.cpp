@@ -120,7 +120,9 @@ class Resolver {
     const RecordedNode& node = record_.nodes[id];
     graph_.site = node.site;
     graph_.rate = node.rate;
-    graph_.activation = initial_ ? std::uint16_t{0} : node.activation;  // initial values are asked for in any case
+    // Initial values are asked for in any case, and a loop is solved as a whole: what is not active counts for nothing
+    // there, since nobody who is active looks at it.
+    graph_.activation = initial_ || is_in_loop(id) ? std::uint16_t{0} : node.activation;
     graph_.make_modes = !initial_ && !node.plain;
     switch (node.op) {
       case Op::constant:
@@ -181,12 +183,15 @@ class Resolver {
     graph_.site = graph_.loops[index].site;
     const Value operation = graph_.loop(index, mask_of(loop));
     graph_.loops[index].operation = operation.id();
+    const bool has_modes = !initial_ && (graph_.mask_of(operation) & continuous_bit) == 0;
+    graph_.loop_with_modes = has_modes ? index : Loop::none;
     std::vector<Value> unknowns;
     for (std::uint32_t i = 0; i < loop.tears.size(); ++i) {
       unknowns.push_back(graph_.unknown(operation, i));
       graph_.loops[index].unknowns[i].operation = unknowns.back().id();
     }
     const std::vector<Value> residuals = rebuild_members(loop, order, unknowns);
+    graph_.loop_with_modes = Loop::none;
     for (std::uint32_t i = 0; i < residuals.size(); ++i) {
       graph_.loops[index].unknowns[i].residual = graph_.id_of(residuals[i]);
     }
@@ -233,12 +238,17 @@ class Resolver {
     for (std::size_t i = 0; i < tears.size(); ++i) {
       const Value value = rebuild(loop.tears[i]);
       graph_.make_modes = false;
-      residuals.push_back(is_declared(loop.tears[i]) ? value : value - tears[i]);
+      const Value off = is_declared(loop.tears[i]) ? value : value - tears[i];
+      const std::uint16_t activation = record_.nodes[loop.tears[i]].activation;
+      // While the tear's block is not active, its unknown is 0 and needs no equation of the block.
+      residuals.push_back(
+          activation == 0 || initial_ ? off : where(Truth(of(record_.activations[activation])), off, tears[i]));
     }
     for (const auto member : loop.members) status_[member] = Status::done;
     return residuals;
   }
 
+  bool is_in_loop(std::uint32_t node) const { return !loops_.empty() && loop_of_[node] != none; }
   bool is_declared(std::uint32_t node) const { return record_.nodes[node].op == Op::implicit; }
 
   Loop describe(const RecordedLoop& loop) {
@@ -361,7 +371,8 @@ void report_loops(const Record& record, const std::vector<RecordedLoop>& loops, 
             .hint("put a unit_delay into it, or give the condition a hysteresis with a relay");
         break;
       case RecordedLoop::Problem::conditional:
-        error("a part of it does not always run").hint("put a state or a unit_delay into the loop");
+        error("a part of it is triggered, or decides by its own value whether it runs")
+            .hint("put a state or a unit_delay into the loop");
         break;
       case RecordedLoop::Problem::initial_values:
         break;
@@ -370,8 +381,8 @@ void report_loops(const Record& record, const std::vector<RecordedLoop>& loops, 
         if (loops_are_errors) {
           refuse(record, {loop.cycle}, report);
         } else {
-          report.note(mark, "algebraic loop: {}; its values are found by iteration whenever they are read", path)
-              .named("algebraic-loop");
+          report.check("algebraic-loop", mark,
+                       "algebraic loop: {}; its values are found by iteration whenever they are read", path);
         }
     }
   }

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "engine/program/slots_read.h"
 
@@ -24,6 +26,13 @@ constexpr double least_damping = 1e-10;
 constexpr double off_by_rounding = 1e-10;  // of the terms of an equation that have an unknown
 // As a relative change of what the equations are given: some hundred roundings.
 constexpr double off_by_rounding_of_data = 1e-13;
+constexpr int most_mode_passes = 20;
+constexpr double same_value = 1e-12;  // of an unknown by two branches
+
+constexpr const char* remedies =
+    "\n  a state breaks the loop: the lag or integrator that is there in the plant, or, in sampled parts, a unit_delay"
+    "\n  or an algebraic_constraint states the equation, with bounds and an initial_guess near its solution"
+    "\n  a delay of one step in a continuous loop is no remedy: the result would depend on the step";
 
 // Finite; without bounds any number.
 double clipped(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
@@ -52,18 +61,68 @@ class Search {
     before_ = take(n_);
     nearest_ = take(n_);
     nearest_residual_ = take(n_);
+    last_ = take(n_);
   }
 
-  static std::size_t room(std::size_t n) { return 1 + n * n + 7 * n; }
+  static std::size_t room(std::size_t n) { return 1 + n * n + 8 * n; }
 
   void run() {
     begin_at(accepted_);
+    if (loop_.modes.empty()) return solve();
+    take_modes();
+    for (int pass = 1; pass < most_mode_passes; ++pass) {
+      solve();
+      if (!take_modes()) return;
+      // Where two branches meet, rounding may go from one to the other for ever: both give the same values.
+      if (pass > 1 && is_as_before()) return;
+      std::copy(u_.begin(), u_.end(), last_.begin());
+    }
+    solve();
+    std::vector<std::size_t> changed;
+    if (take_modes(&changed)) fail_to_settle(changed);
+  }
+
+ private:
+  bool is_as_before() const {
+    for (std::size_t i = 0; i < n_; ++i) {
+      if (!(std::fabs(u_[i] - last_[i]) <= same_value * std::max(1.0, std::fabs(u_[i])))) return false;
+    }
+    return true;
+  }
+
+  void solve() {
     if (loop_.affine ? solve_affine() : newton()) return;
     if (!loop_.affine && !frame_.left && look_elsewhere()) return;
     fail();
   }
 
- private:
+  // The modes by the present values (S11); whether one changed.
+  bool take_modes(std::vector<std::size_t>* which = nullptr) {
+    execute(loop_.mode_list, arena_, &frame_);
+    bool any = false;
+    for (std::size_t m = 0; m < loop_.modes.size(); ++m) {
+      const double now = arena_[loop_.mode_list.roots[m]];
+      if (now == arena_[loop_.modes[m]] || std::isnan(now)) continue;
+      arena_[loop_.modes[m]] = now;
+      any = true;
+      if (which != nullptr) which->push_back(m);
+    }
+    return any;
+  }
+
+  [[noreturn]] void fail_to_settle(const std::vector<std::size_t>& changed) {
+    const double time = arena_[frame_.program->time];
+    std::string names;
+    for (const std::size_t m : changed) {
+      const std::string name = "'" + frame_.program->sites[loop_.mode_sites[m]].path + "'";
+      if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
+    }
+    throw LoopError(fmt::format("at time {:g} s the algebraic loop {} does not settle: solved {} times, and the branch "
+                                "that is taken in {} changes each time{}",
+                                time, loop_.path, most_mode_passes, names, remedies),
+                    time, frame_.program->sites[loop_.site].path);
+  }
+
   double lower(std::size_t i) const { return loop_.lower[i] == no_bound ? -infinity : arena_[loop_.lower[i]]; }
   double upper(std::size_t i) const { return loop_.upper[i] == no_bound ? infinity : arena_[loop_.upper[i]]; }
 
@@ -357,11 +416,7 @@ class Search {
                             nearest_[i], nearest_residual_[i]);
       }
     }
-    text +=
-        "\n  a state breaks the loop: the lag or integrator that is there in the plant, or, in sampled parts, a "
-        "unit_delay"
-        "\n  or an algebraic_constraint states the equation, with bounds and an initial_guess near its solution"
-        "\n  a delay of one step in a continuous loop is no remedy: the result would depend on the step";
+    text += remedies;
     const std::string& place = frame_.program->sites[loop_.site].path;
     throw LoopError(text, time, place);
   }
@@ -375,7 +430,7 @@ class Search {
   std::size_t n_;
   std::span<double> u_, accepted_;
   double* has_factors_ = nullptr;  // 1: those of the present parameters stand in factors_
-  std::span<double> factors_, rows_, residual_, step_, correction_, before_, nearest_, nearest_residual_;
+  std::span<double> factors_, rows_, residual_, step_, correction_, before_, nearest_, nearest_residual_, last_;
   double nearest_norm_ = infinity;
 };
 

@@ -10,6 +10,9 @@
 #include <mutex>
 
 #include "engine/base/numbers.h"
+#include "engine/graph/check_units.h"
+#include "engine/graph/unused.h"
+#include "engine/program/resolve.h"
 #include "engine/run/check_expect.h"
 #include "engine/run/checkpoint.h"
 #include "engine/run/expect.h"
@@ -171,6 +174,7 @@ std::shared_ptr<const CompiledDiagram> Diagram::build(const Overrides& set, cons
   compiled->options = read_settings(*model_, *compiled->graph, report);
   compiled->recorded = plantloop::record(*compiled->graph);
   check_expect(*compiled->graph, compiled->recorded.record, compiled->options, report);
+  check_units(*compiled->graph, compiled->recorded, report);
   CompileOptions options;
   for (const ShownColumn& column : compiled->recorded.columns) options.watches.push_back(column.value);
   for (const auto& [expression, bound] : compiled->graph->numbers) {
@@ -257,6 +261,7 @@ void Diagram::check(const Overrides& set, Report& report) {
   const auto built = build(set, {}, 0, report);
   if (built) {
     check_solver(built->options, model_->simulation.solver_mark, report);
+    check_unused(*built->graph, report);
   } else {
     find_solver(model_->simulation.solver, model_->simulation.solver_mark, report);
   }
@@ -363,9 +368,32 @@ std::optional<PreparedRun> Diagram::prepare(const RunRequest& request, Report& r
   set_parameters(*prepared.compiled, request.set, *prepared.frame, report);
   if (report.error_count() > errors) return std::nullopt;
   for (const ShownColumn& column : prepared.compiled->recorded.columns)
-    prepared.columns.push_back({column.name, column.unit, column.rate, !column.written});
+    prepared.columns.push_back({column.name, column.unit, column.rate, !column.written, column.names});
   return prepared;
 }
+
+namespace {
+
+// Continuous saturations that did hardly anything but limit.
+void check_saturations(const CompiledDiagram& built, const RunStatistics& statistics, Report& report) {
+  std::map<std::string_view, double> share;  // by block
+  const auto& modes = built.program->resolved->graph.modes;
+  for (std::size_t m = 0; m < modes.size() && m < statistics.mode_share.size(); ++m) {
+    const Site& site = built.program->sites[modes[m].site];
+    if (!modes[m].of_loop && site.method == "outputs") share[site.path] += statistics.mode_share[m];
+  }
+  constexpr double most = 0.95;
+  for (const GraphBlock& block : built.graph->blocks) {
+    if (!block.type || block.type->name != "saturation") continue;
+    const auto found = share.find(block.path);
+    const int elements = std::max(1, built.graph->nets[block.first_output].shape.size());
+    if (found == share.end() || found->second / elements <= most) continue;
+    report.check("saturated", block.declaration->mark, "'{}' was at a limit for {:.0f} % of the run", block.path,
+                 100 * found->second / elements);
+  }
+}
+
+}  // namespace
 
 std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report, const RunControl& control,
                                        DiagramRun* partial) {
@@ -407,7 +435,10 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
     throw;
   }
   run.timing.simulate = seconds() - simulating;
-  for (const std::string& text : run.statistics.warnings) report.warning({}, "{}", text).named("zeno");
+  for (const std::string& text : run.statistics.warnings) report.check("zeno", {}, "{}", text);
+  for (const RunFinding& found : run.statistics.findings)
+    report.check(found.check, built.program->sites[found.site].mark, "{}", found.text);
+  check_saturations(built, run.statistics, report);
   run.verdicts = judge(*model_, run, baselines);
   return run;
 }

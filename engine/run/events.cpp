@@ -124,6 +124,7 @@ void Events::watch_for_zeno(double at) {
   if (!run_.still.empty() || any_muted_) release();
   for (const int g : fired_) {
     const auto i = static_cast<std::size_t>(g);
+    run_.watch.fired(i, at);
     in_a_row_[i] = at - last_event_[i] < close ? in_a_row_[i] + 1 : 0;
     last_event_[i] = at;
     if (in_a_row_[i] > most_events_in_a_row) end_zeno(g, at);
@@ -271,6 +272,7 @@ Mask Events::trigger(const std::vector<int>& fired) {
     const Program::Jump& jump = program_.jumps[guard.index];
     if (!is_open(guard.gate) || !is_open(jump.enabled)) continue;
     run_.clockwork->trigger(jump.triggers);
+    run_.watch.active(guard.index);
     rows_.recording().events[jump.name].push_back(run_.t);
     bits |= rate_bit(jump.triggers);
   }
@@ -315,6 +317,7 @@ bool Events::jump(const std::vector<int>& fired) {
     if (!guard.is_jump || !is_open(guard.gate)) continue;
     const Program::Jump& jump = program_.jumps[guard.index];
     if (jump.triggers != 0 || jump.of_kernel) continue;
+    run_.watch.active(guard.index);
     rows_.recording().events[jump.name].push_back(run_.t);
     for (std::size_t i = 0; i < jump.targets.size(); ++i) {
       changes.emplace_back(jump.targets[i].slot, frame_.arena[program_.jump_list.roots[jump.first_value + i]]);
@@ -337,8 +340,8 @@ std::vector<int> Events::guards_fired_by_now(const std::vector<int>& just_fired)
     // What begins to be watched now has not crossed: it had no sign before.
     const bool watched = was_open_[i] != 0 && is_open(guard.gate);
     was_open_[i] = is_open(guard.gate) ? 1 : 0;
-    if (guard.is_jump && watched && new_one && !is_muted(i) && roots_.fires(i, values[i]))
-      fired.push_back(static_cast<int>(i));
+    if (!guard.is_jump || !new_one || is_muted(i)) continue;
+    if (watched ? roots_.fires(i, values[i]) : is_due(guard, values[i])) fired.push_back(static_cast<int>(i));
   }
   roots_.remember_fired(just_fired, values);
   // The memory of those that fired is not touched again.
@@ -347,13 +350,23 @@ std::vector<int> Events::guards_fired_by_now(const std::vector<int>& just_fired)
   return fired;
 }
 
-void Events::remember_guards() {
-  if (program_.guards.empty()) return;
+bool Events::is_due(const Program::Guard& guard, double value) const {
+  return guard.is_jump && program_.jumps[guard.index].level && is_open(guard.gate) && value > 0;
+}
+
+std::vector<int> Events::remember_guards() {
+  std::vector<int> due;
+  if (program_.guards.empty()) return due;
   KernelFrame kernels = frame_.kernel_frame(false);
   execute(program_.guard_list, frame_.arena, &kernels);
   for (std::size_t i = 0; i < guard_values_.size(); ++i) guard_values_[i] = frame_.arena[program_.guard_list.roots[i]];
-  for (std::size_t i = 0; i < was_open_.size(); ++i) was_open_[i] = is_open(program_.guards[i].gate) ? 1 : 0;
+  for (std::size_t i = 0; i < was_open_.size(); ++i) {
+    was_open_[i] = is_open(program_.guards[i].gate) ? 1 : 0;
+    if (program_.guards[i].is_jump && guard_values_[i] > 0) run_.watch.active(program_.guards[i].index);
+    if (is_due(program_.guards[i], guard_values_[i])) due.push_back(static_cast<int>(i));
+  }
   roots_.remember(guard_values_);
+  return due;
 }
 
 void Events::save(Checkpoint& checkpoint) const {
@@ -407,6 +420,7 @@ std::string Events::name_of_differing_mode() const {
 }
 
 void Events::take_modes() {
+  run_.watch.modes_until(run_.t);
   for (std::size_t m = 0; m < program_.modes.size(); ++m) {
     if (!is_frozen(m)) frame_.arena[program_.modes[m]] = frame_.arena[program_.mode_list.roots[m]];
   }

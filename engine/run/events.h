@@ -33,8 +33,9 @@ class Events {
   Mask settle_events(std::vector<int> fired, Mask bits);
   // Keeps what is held from here on, should its condition end: to be called before anything changes at a stop.
   void take_holds(double before);
-  // Takes the signs of the guards into memory, as at the start of a run.
-  void remember_guards();
+  // Takes the signs of the guards into memory, as at the start of a run. Gives those that fire because their functions
+  // are positive there.
+  std::vector<int> remember_guards();
   // Something else happens: what a Zeno policy holds may move again.
   void release();
   // What is known of the past, for checkpoints.
@@ -50,6 +51,8 @@ class Events {
   bool is_frozen(std::size_t mode) const;
   void watch_for_zeno(double at);
   void end_zeno(int guard, double at);
+  // Whether a function that was not looked at before fires at once.
+  bool is_due(const Program::Guard& guard, double value) const;
   bool a_jump_fired() const;
   bool only_kernels_fired() const;
   std::string names_of_fired() const;

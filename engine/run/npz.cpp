@@ -61,6 +61,7 @@ nlohmann::json meta_of(const Recording& recording) {
   for (const std::size_t index : written_columns(recording)) {
     const RecordedColumn& column = recording.columns[index];
     meta["columns"].push_back({{"name", column.name}, {"unit", column.unit}, {"rate", column.rate}});
+    if (!column.names.empty()) meta["columns"].back()["names"] = column.names;
   }
   return meta;
 }
@@ -197,6 +198,7 @@ RecordingResult from_npz(std::string_view bytes) {
       recording.columns.push_back({.name = column.at("name").get<std::string>(),
                                    .unit = column.at("unit").get<std::string>(),
                                    .rate = column.at("rate").get<int>()});
+      if (column.contains("names")) column.at("names").get_to(recording.columns.back().names);
     }
   } catch (const nlohmann::json::exception&) {
     return fail("its array 'time.meta' is damaged");

@@ -17,8 +17,9 @@ namespace plantloop {
 struct RecordedColumn {
   std::string name;  // as `record` says, elements with a dot: "xh.3"
   std::string unit;
-  int rate = 0;         // 0: continuous; else index into Recording::hits
-  bool hidden = false;  // logged for figures and expect only, not written
+  int rate = 0;                         // 0: continuous; else index into Recording::hits
+  bool hidden = false;                  // logged for figures and expect only, not written
+  std::vector<std::string> names = {};  // of a state machine's state: what the numbers from 1 are called
 };
 
 // Rows are in order of time; a jump gives two rows of equal time, the left side first. Discrete columns hold between

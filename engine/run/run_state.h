@@ -11,6 +11,7 @@
 #include "engine/run/clockwork.h"
 #include "engine/run/frame.h"
 #include "engine/run/simulation.h"
+#include "engine/run/watch.h"
 #include "engine/solve/integrator.h"
 
 namespace plantloop {
@@ -20,14 +21,16 @@ struct RunState {
       : frame(run_frame),
         program(*run_frame.program),
         options(run_options),
-        gap((run_options.stop - run_options.start) / gaps) {}
+        gap((run_options.stop - run_options.start) / gaps),
+        watch(run_frame, run_options) {}
 
   static constexpr int gaps = 500;  // rows are no further apart than (stop - start)/gaps
 
   Frame& frame;
   const Program& program;
   const SimulationOptions& options;
-  double gap;    // s
+  double gap;  // s
+  RunWatch watch;
   double t = 0;  // s; everything until here has happened
   std::optional<Clockwork> clockwork;
   std::unique_ptr<Integrator> integrator;  // null without continuous states

@@ -118,10 +118,13 @@ class Runner {
     give_initial_values();
     for (std::size_t m = 0; m < program_.modes.size(); ++m) frame_.arena[program_.modes[m]] = 0;
     if (from != nullptr) restore_by_path(*from, frame_);
-    const Mask bits = run_.clockwork->advance(run_.t);
+    Mask bits = run_.clockwork->advance(run_.t);
     events_.settle(every_bit);
     run_.accept_loops();
-    events_.remember_guards();
+    if (std::vector<int> due = events_.remember_guards(); !due.empty()) {
+      bits = events_.settle_events(std::move(due), bits | event_bit);
+      run_.accept_loops();
+    }
     rows_.log_right(bits);
     update(bits);
     kernels_.after_event(1);
@@ -228,7 +231,9 @@ class Runner {
     while (run_.t < stop) {
       limits_.watch();
       const double before = run_.t;
+      run_.watch.before_step(frame_.state_count());
       const double after = take_step(stop);
+      if (options_.step <= 0 && after < stop) run_.watch.after_step(before, after, frame_.state_count());
       ++run_.statistics.solver.steps;
       if (!events_.none() && events_.crossing_between(before, after)) return update_triggered();
       rows_.log_between(before, after);
@@ -398,6 +403,7 @@ class Runner {
 
   void finish() {
     run_.statistics.rows = static_cast<std::int64_t>(rows_.recording().rows());
+    run_.watch.finish(run_.t, control_.from == nullptr, run_.statistics);
     if (!run_.integrator) return;
     add_solver_statistics();
     run_.statistics.solver.evaluations += steps_by_list_ * stages_of(options_.solver);

@@ -67,7 +67,16 @@ void add_columns(std::string& out, const Recording& recording) {
     add_text(out, column.name);
     out += ", \"unit\": ";
     add_text(out, column.unit);
-    out += ", \"rate\": " + std::to_string(column.rate) + ", \"values\": ";
+    out += ", \"rate\": " + std::to_string(column.rate);
+    if (!column.names.empty()) {
+      out += ", \"names\": [";
+      for (std::size_t i = 0; i < column.names.size(); ++i) {
+        out += i > 0 ? ", " : "";
+        add_text(out, column.names[i]);
+      }
+      out += "]";
+    }
+    out += ", \"values\": ";
     std::vector<double> values;
     for_rows_of(recording, column.rate, [&](std::size_t row) { values.push_back(recording.at(row, index)); });
     add_list(out, values);

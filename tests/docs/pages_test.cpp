@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/figures.h"
+#include "engine/base/checks.h"
 #include "engine/base/files.h"
 #include "engine/diagram/model.h"
 #include "engine/graph/describe.h"
@@ -32,6 +33,10 @@ TEST(Docs, ThePageOfTheBlocksIsWhatTheProgramPrints) {
 
 TEST(Docs, TheSchemaIsWhatTheProgramPrints) {
   expect_fresh("docs/diagram.schema.json", diagram_schema(plot_words()), "schema");
+}
+
+TEST(Docs, ThePageOfTheChecksIsWhatTheProgramPrints) {
+  expect_fresh("docs/checks.md", checks_markdown(), "check --list");
 }
 
 // The complete diagrams in a page: its blocks of YAML that begin with a comment or the version.

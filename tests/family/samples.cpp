@@ -61,6 +61,7 @@ Sample with_parameters(const BlockType& type, Fill fill) {
     if (t->spec.file && !t->spec.optional) sample.parameters.emplace_back(t->name, file_for(type));
   }
   sample.list = !block.lists.empty();
+  sample.written = type.written;
   sample.sampled = block.rate_kind() == RateKind::discrete;
   return sample;
 }
@@ -68,6 +69,12 @@ Sample with_parameters(const BlockType& type, Fill fill) {
 // Vectors, single numbers or matrices for tables; every combination of 1, 2 and 3 elements for the ports of a size
 // of their own.
 std::vector<Sample> candidates(const BlockType& type) {
+  if (!type.written.empty()) {
+    Sample sample = with_parameters(type, Fill::vectors);
+    sample.parameters.clear();
+    sample.inputs.emplace_back("a", 1);
+    return {sample};
+  }
   std::vector<Sample> found{with_parameters(type, Fill::vectors), with_parameters(type, Fill::numbers),
                             with_parameters(type, Fill::matrices)};
   const auto extend = [&](const std::string& port, const Size& size) {
@@ -115,6 +122,17 @@ std::string wire(const std::string& signal, int elements) {
 
 std::string Sample::instance(const std::string& name, const std::string& prefix) const {
   std::string text = fmt::format("  {}:\n    type: {}\n", name, type->name);
+  if (!written.empty()) {
+    std::string keys(written);
+    for (const auto& [parameter, value] : parameters) keys += fmt::format(", {}: {}", parameter, value);
+    text = fmt::format("  {}:\n    {{type: {}, {}}}\n", name, type->name, keys);
+    if (const std::size_t at = text.find(": a}"); at != std::string::npos)
+      return text.replace(at, 3, fmt::format(": {}1", prefix));
+    // Entries are conditional blocks, active one after the other.
+    text.replace(text.find("[low, high]"), 11, fmt::format("[{}_low, {}_high]", name, name));
+    text += fmt::format("  {}_low: {{expr: {}1, enable: {{when: sin(3*time), initial: 0}}}}\n", name, prefix);
+    return text + fmt::format("  {}_high: {{expr: 2*{}1, enable: {{when: -sin(3*time), initial: 0}}}}\n", name, prefix);
+  }
   if (sampled) text += "    rate: 0.1\n";
   for (const auto& [parameter, value] : parameters) text += fmt::format("    {}: {}\n", parameter, value);
   if (inputs.empty()) return text;

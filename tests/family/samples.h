@@ -17,6 +17,7 @@ struct Sample {
   std::vector<std::pair<std::string, int>> inputs;              // ports that need a wire, with their number of elements
   bool list = false;                                            // the inputs are entries of one list port
   bool sampled = false;                                         // runs at a rate of 0.1 s
+  std::string_view written;                                     // of a block with a form of its own: its keys
   bool closed = false;  // each input is the signal minus the block's own output, as a constraint needs it
 
   // One line for `blocks:`. The inputs are called `<prefix>1`, `<prefix>2`, ...

@@ -103,7 +103,7 @@ types:
   EXPECT_EQ(errors_of(text, {{"gain", "1 +"}}), "the expression ends after '+'");
 }
 
-TEST(Sizes, FlowForwardThroughBlocksAndExpressions) {
+TEST(S3Sizes, FlowForwardThroughBlocksAndExpressions) {
   const auto graph = graph_of(R"(
 plantloop: 1
 parameters: {n: 4}
@@ -126,7 +126,7 @@ blocks:
   EXPECT_EQ(parameter(*graph, "n").structural, 2);
 }
 
-TEST(Sizes, OfLoopsThatNoVectorEntersAreScalars) {
+TEST(S3Sizes, OfLoopsThatNoVectorEntersAreScalars) {
   const auto graph = graph_of(R"(
 plantloop: 1
 blocks:
@@ -141,7 +141,7 @@ blocks:
   EXPECT_EQ(net(*graph, "w").shape, Shape::vector(2));
 }
 
-TEST(Rates, AreInheritedFromInputsAndReaders) {
+TEST(S6Rates, AreInheritedFromInputsAndReaders) {
   const auto graph = graph_of(R"(
 plantloop: 1
 parameters: {Ts: 1/10}
@@ -171,7 +171,7 @@ blocks:
   EXPECT_EQ(graph->rates[rate("slow").index].period.to_string(), "3/10");
 }
 
-TEST(Rates, OfASubsystemHoldForEverythingInside) {
+TEST(S6Rates, OfASubsystemHoldForEverythingInside) {
   const auto graph = graph_of(R"(
 plantloop: 1
 blocks:

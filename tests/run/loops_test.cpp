@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "tests/blocks/diagrams.h"
@@ -210,6 +212,73 @@ simulation: {stop: 2}
 )yaml");
   // Rounding of the terms, 6/9000, moves the solution by as much times 1000.
   for (const double t : {0.5, 1.0, 1.5, 2.0}) EXPECT_NEAR(r.at("y", t), 1e-12 * (t - 1) / (11.0 / 9 + 1e-5), 1e-15);
+}
+
+TEST(S11Loops, OfSampledBlocksSettleWhereTwoBranchesMeet) {
+  // At r = 0.8 the limit is reached exactly: rounding puts the input on either side of it.
+  for (const double r : {0.8, 0.7999999999999999, 0.8000000000000002}) {
+    const Signals s = run("blocks:\n  e: {expr: " + fmt::format("{:.17g}", r) +
+                          " + 0*time - u, rate: 0.1}\n  u: {type: saturation, in: 3*e, lower: -0.6, upper: 0.6}\n"
+                          "simulation: {stop: 0.2}\nrecord: [e, u]\n");
+    EXPECT_NEAR(s.last("u"), 0.6, 1e-15);
+  }
+}
+
+TEST(S11Loops, OfSampledBlocksWhoseBranchesDoNotSettleAreARunErrorThatNamesThem) {
+  EXPECT_THAT(error_of(R"yaml(
+blocks:
+  y: {expr: "where(z > 0.5, 0, 1)", rate: 0.1}
+  z: 0.9*y + 0.01
+simulation: {stop: 1}
+)yaml"),
+              HasSubstr("at time 0 s the algebraic loop y -> z -> y does not settle: solved 20 times, and the branch "
+                        "that is taken in 'y' changes each time\n  a state breaks the loop"));
+}
+
+TEST(S11Loops, ThroughAnEnabledPartAreSolvedWhileItIsActive) {
+  // Inactive e = t; active e = t - 3 e.
+  const Signals r = run(R"yaml(
+blocks:
+  e: time - part.y
+  part: {type: p, in: {u: e}, enable: {when: time > 1, outputs: reset}}
+types:
+  p: {inputs: [u], blocks: {y: 3*u}, outputs: {y: {from: y, initial: 0}}}
+simulation: {stop: 2}
+record: [e, part.y]
+)yaml");
+  EXPECT_EQ(r.at("e", 0.5), 0.5);
+  EXPECT_NEAR(r.at("e", 1.5), 0.375, 1e-14);
+  EXPECT_NEAR(r.at("part.y", 2), 1.5, 1e-14);
+}
+
+TEST(S11Loops, ThroughAnEnabledPartThatIsNonlinearKeepItsHeldOutput) {
+  // Active while t < 1: y + y^3 = t - y... e = t - y, y = e + e^3; then y holds its value at t = 1.
+  const Signals r = run(R"yaml(
+blocks:
+  e: time - part.y
+  part: {type: p, in: {u: e}, enable: time < 1}
+  left_over: where(time < 1, e + e^3 - part.y, 0)
+types:
+  p: {inputs: [u], blocks: {y: u + u^3}, outputs: {y: {from: y, initial: 0}}}
+simulation: {stop: 2}
+record: [e, part.y, left_over]
+)yaml");
+  EXPECT_LT(r.greatest("left_over"), 1e-9);
+  // 2 e + e^3 = 1 has the solution 0.4533976515164037.
+  EXPECT_NEAR(r.last("part.y"), 1 - 0.4533976515164037, 1e-9);
+  EXPECT_NEAR(r.last("e"), 2 - (1 - 0.4533976515164037), 1e-9);
+}
+
+TEST(S11Loops, ThroughATriggeredPartOrItsOwnConditionAreErrors) {
+  const auto with = [](const std::string& key) {
+    return findings("blocks:\n  e: time - part.y\n  part: {type: p, in: {u: e}, " + key +
+                    "}\ntypes:\n  p: {inputs: [u], blocks: {y: 3*u}, outputs: {y: {from: y, initial: 0}}}\n"
+                    "simulation: {stop: 2}\n");
+  };
+  for (const char* key : {"trigger: {when: time > 1}", "enable: e > 1"}) {
+    EXPECT_THAT(with(key), AllOf(HasSubstr("error: algebraic loop: e -> part"),
+                                 HasSubstr("a part of it is triggered, or decides by its own value whether it runs")));
+  }
 }
 
 TEST(S11Loops, DoNotDependOnTheOrderOfTheBlocks) {

@@ -1,0 +1,155 @@
+// Thresholds are such that a run which is only lively says nothing.
+
+#include "engine/run/watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "engine/program/resolve.h"
+
+namespace plantloop {
+
+namespace {
+
+constexpr double close = 1e-6;             // of the run's length: between events, and the length of a step
+constexpr int chatter_events = 100;        // in a row
+constexpr int collapsed_steps = 1000;      // in a row
+constexpr std::int64_t many_events = 200;  // below that restarts cost nothing
+constexpr double many_of_steps = 0.1;
+
+}  // namespace
+
+RunWatch::RunWatch(const Frame& frame, const SimulationOptions& options)
+    : frame_(frame),
+      program_(*frame.program),
+      options_(options),
+      modes_since_(options.start),
+      mode_time_(program_.modes.size()),
+      events_(program_.guards.size()),
+      last_event_(program_.guards.size(), -std::numeric_limits<double>::infinity()),
+      streak_start_(program_.guards.size()),
+      streak_(program_.guards.size()),
+      chatters_(program_.guards.size()),
+      active_(program_.jumps.size()) {}
+
+std::string RunWatch::name_of(std::size_t g) const {
+  if (guard(g).is_jump) return program_.jumps[guard(g).index].name;
+  return program_.sites[site_of(g)].path;
+}
+
+std::uint32_t RunWatch::site_of(std::size_t g) const {
+  return guard(g).is_jump ? program_.jumps[guard(g).index].site : program_.resolved->graph.modes[guard(g).index].site;
+}
+
+void RunWatch::fired(std::size_t g, double t) {
+  if (guard(g).is_jump && program_.jumps[guard(g).index].of_kernel) return;
+  ++events_[g];
+  if (guard(g).is_jump) active_[guard(g).index] = 1;
+  const bool is_close = t - last_event_[g] < close * (options_.stop - options_.start);
+  if (!is_close) streak_start_[g] = t;
+  streak_[g] = is_close ? streak_[g] + 1 : 0;
+  last_event_[g] = t;
+  if (streak_[g] < chatter_events || chatters_[g] != 0) return;
+  for (std::size_t other = 0; other < chatters_.size(); ++other)  // of one block one is enough
+    if (program_.sites[site_of(other)].path == program_.sites[site_of(g)].path) chatters_[other] = 1;
+  findings_.push_back({"chatter",
+                       fmt::format("'{}' chatters: {} events within {:.3g} s from time {:g} s on; a wider hysteresis "
+                                   "would end it",
+                                   name_of(g), streak_[g], t - streak_start_[g], streak_start_[g]),
+                       site_of(g)});
+}
+
+void RunWatch::modes_until(double t) {
+  if (t > modes_since_) {
+    for (std::size_t m = 0; m < mode_time_.size(); ++m) {
+      if (frame_.arena[program_.modes[m]] != 0) mode_time_[m] += t - modes_since_;
+    }
+  }
+  modes_since_ = t;
+}
+
+void RunWatch::before_step(std::size_t states) {
+  if (short_steps_ != collapsed_steps - 1 || collapsed_) return;
+  const double* x = frame_.arena + program_.states;
+  states_before_.assign(x, x + states);
+}
+
+void RunWatch::after_step(double before, double after, std::size_t states) {
+  const bool is_short = after - before < close * (options_.stop - options_.start);
+  short_steps_ = is_short ? short_steps_ + 1 : 0;
+  if (short_steps_ != collapsed_steps || collapsed_ || states_before_.size() != states) return;
+  collapsed_ = true;
+  name_fastest_state(after, after - before);
+}
+
+// The one that changes most in the last step, measured by itself.
+void RunWatch::name_fastest_state(double t, double h) {
+  std::size_t fastest = 0;
+  double most = -1;
+  for (std::size_t i = 0; i < states_before_.size(); ++i) {
+    const double now = frame_.arena[program_.states + i];
+    const double change = std::fabs(now - states_before_[i]) / (std::fabs(now) + options_.atol);
+    if (change > most) most = change, fastest = i;
+  }
+  const std::string& name = program_.state_names[fastest];
+  const std::string in = most > 0 ? fmt::format(", which changes by its own size within {:.2g} s", h / most) : "";
+  findings_.push_back(
+      {"step-size",
+       fmt::format(
+           "at time {:g} s the steps have collapsed to {:.2g} s; the fastest state is '{}'{}{}", t, h, name, in,
+           options_.solver == "bdf" || options_.solver == "ida" ? "" : "; solver: bdf is made for stiff equations"),
+       program_.state_sites[fastest]});
+}
+
+void RunWatch::finish(double t, bool whole, RunStatistics& statistics) {
+  modes_until(t);
+  const double length = t - options_.start;
+  for (const double time : mode_time_) statistics.mode_share.push_back(length > 0 ? time / length : 0);
+
+  std::int64_t all = 0;
+  std::map<std::string, std::pair<std::int64_t, std::uint32_t>> by_name;
+  for (std::size_t g = 0; g < events_.size(); ++g) {
+    if (events_[g] == 0) continue;
+    all += events_[g];
+    auto& [count, site] = by_name[name_of(g)];
+    count += events_[g];
+    site = site_of(g);
+  }
+  if (all >= many_events && static_cast<double>(all) > many_of_steps * static_cast<double>(statistics.solver.steps) &&
+      frame_.state_count() > 0) {
+    const auto most = std::max_element(by_name.begin(), by_name.end(),
+                                       [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+    findings_.push_back({"restarts",
+                         fmt::format("the solver started anew at {} events in {} steps; {} of them are of '{}'", all,
+                                     statistics.solver.steps, most->second.first, most->first),
+                         most->second.second});
+  }
+
+  std::map<std::string, std::pair<bool, std::uint32_t>> ran;  // by the conditional part's path: whether it did
+  for (std::size_t j = 0; whole && j < program_.jumps.size(); ++j) {
+    const Program::Jump& jump = program_.jumps[j];
+    const Site& site = program_.sites[jump.site];
+    if (site.method != "enable" && site.method != "trigger") continue;
+    const std::string& name = jump.name;
+    const std::size_t end = name.rfind(site.method == "enable" ? ".enable" : ".trigger");
+    auto& [did, where] = ran[name.substr(0, end)];
+    did = did || active_[j] != 0;
+    where = jump.site;
+  }
+  for (const auto& [path, what] : ran) {
+    if (what.first) continue;
+    const bool triggered = program_.sites[what.second].method == "trigger";
+    findings_.push_back({"never-enabled",
+                         triggered
+                             ? fmt::format("'{}' was not triggered once in the run", path)
+                             : fmt::format("'{}' was never active: its condition did not hold once in the run", path),
+                         what.second});
+  }
+  statistics.findings = std::move(findings_);
+}
+
+}  // namespace plantloop
