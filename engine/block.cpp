@@ -89,6 +89,10 @@ Value Now::time() const { return Recorder::current()->time(); }
 Value Now::hit() const { return BlockInstance::current().hit(); }
 Value Now::period() const { return BlockInstance::current().period(); }
 bool Now::connected(const Input& port) const { return BlockInstance::current().connected(port.index); }
+Meeting Now::meeting(const Input& port) const { return BlockInstance::current().meeting(port.index); }
+Array Now::earlier(const Input& port, const Array& initial, bool steady) const {
+  return BlockInstance::current().earlier(port.index, initial, steady);
+}
 std::string Now::path() const { return std::string(BlockInstance::current().path()); }
 std::uint64_t Now::stream() const {
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a

@@ -202,6 +202,14 @@ struct Activity {
   Value since;
 };
 
+// How the hits of an input's signal lie to those of the sampled block that reads it.
+enum class Meeting {
+  never,   // the signal has none: it is continuous, or changes with parameters only
+  faster,  // every hit of the block is one of the signal; equal rates, too
+  slower,  // every hit of the signal is one of the block
+  apart,   // neither
+};
+
 // What the equations read.
 class Now {
  public:
@@ -215,8 +223,12 @@ class Now {
   Value hit() const;                        // discrete blocks: the number k of the present hit, from 0
   Value period() const;                     // discrete blocks: the time between hits in s
   bool connected(const Input& port) const;  // a wire, or a value given like a parameter
-  std::string path() const;                 // of the block: "plant.valve", for messages of kernels
-  std::uint64_t stream() const;             // a number of the block's own, from its path: for random streams
+  Meeting meeting(const Input& port) const;
+  // What an input was at an earlier hit of its own clock, `initial` until there was one: at the last one strictly
+  // before the block's present hit or, `steady`, at the one before the signal's latest, as long as that is the latest.
+  Array earlier(const Input& port, const Array& initial, bool steady) const;
+  std::string path() const;      // of the block: "plant.valve", for messages of kernels
+  std::uint64_t stream() const;  // a number of the block's own, from its path: for random streams
   std::vector<Activity> activity(const Inputs& port) const;  // by entry
   bool given(const Number& parameter) const;
   bool given(const Table& parameter) const;
@@ -322,6 +334,8 @@ class Checking {
   virtual Shape shape(const Table& parameter) const = 0;
   virtual bool given(const Declared& parameter) const = 0;
   virtual void problem(const Declared& parameter, const std::string& text) = 0;
+  // What is right but should be known; `check` is the name of the check.
+  virtual void note(const Declared& parameter, std::string_view check, const std::string& text) = 0;
 };
 
 // Which rates a block may run at.

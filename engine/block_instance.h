@@ -30,6 +30,8 @@ class BlockInstance {
   virtual std::vector<Activity> activity(int list) = 0;
   virtual Value hit() = 0;
   virtual Value period() = 0;
+  virtual Meeting meeting(int input) = 0;
+  virtual Array earlier(int input, const Array& initial, bool steady) = 0;
   virtual bool connected(int input) = 0;
   virtual bool given_number(int index) = 0;
   virtual bool given_table(int index) = 0;

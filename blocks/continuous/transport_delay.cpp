@@ -54,6 +54,12 @@ expect: [{signal: late, at: 1, value: sin(0.5), abs: 1e-6}]
     sizing.problem(delay, fmt::format("there are {} delays for {}", times.size(), to_string(one)));
   }
 
+  void check(Checking& checking) const override {
+    const std::vector<double> times = checking.of(delay);
+    if (std::find(times.begin(), times.end(), 0.0) != times.end())
+      checking.note(delay, "zero-delay", "a delay of 0 s is none: the output is the input at the same instant");
+  }
+
   void outputs(Now now, Out out) const override {
     const Array in = now[u], times = now[delay];
     const bool given = now.given(initial_value);

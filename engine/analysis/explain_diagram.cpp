@@ -56,6 +56,38 @@ std::string rates(const Graph& graph) {
   return text;
 }
 
+// Reads of a signal of one rate at another one, without a block that says with which latency.
+std::string reads_across_rates(const Graph& graph) {
+  std::set<std::string> lines;
+  const auto add = [&](const GraphBlock& reader, const GraphRate& own, const GraphNet& signal) {
+    if (own.kind != GraphRate::Kind::discrete || signal.rate.kind != GraphRate::Kind::discrete) return;
+    if (own.index == signal.rate.index) return;
+    const ClockRate &of_reader = graph.rates[own.index], &of_signal = graph.rates[signal.rate.index];
+    const bool clocks = of_reader.trigger == 0 && of_signal.trigger == 0;
+    const int order = clocks ? compare(of_reader.period, of_signal.period) : 0;
+    lines.insert(fmt::format("  {} {} {}\n", reader.path,
+                             order > 0   ? "samples"
+                             : order < 0 ? "holds"
+                                         : "reads",
+                             path_of(graph, signal)));
+  };
+  for (const GraphBlock& block : graph.blocks) {
+    if (block.type && block.type->name == "rate_transition") continue;
+    const std::uint32_t first = block.type ? block.first_input : block.first_output;
+    const std::uint32_t count = block.type ? block.inputs : 1;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const BoundExpression& driver = graph.nets[first + i].driver;
+      for (std::size_t k = 0; driver && k < driver.code->names.size(); ++k) {
+        const Reference& r = graph.references[driver.first_reference + k];
+        if (r.kind == Reference::Kind::net) add(block, rate_of(graph, block), graph.nets[r.index]);
+      }
+    }
+  }
+  if (lines.empty()) return {};
+  return fmt::format("\nacross rates, always the present value (a rate_transition defines a latency)\n{}",
+                     fmt::join(lines, ""));
+}
+
 // When a block's outputs are known: after the last of their operations.
 std::uint32_t place_of(const Explained& e, const GraphBlock& block) {
   std::uint32_t last = 0;
@@ -89,17 +121,26 @@ std::string order(const Explained& e) {
 
 std::string events(const Explained& e) {
   const Program& p = *e.program;
-  std::vector<std::string> jumps, modes;
-  for (const Program::Jump& jump : p.jumps) jumps.push_back(jump.name);
+  std::vector<std::string> jumps, modes, pasts;
+  for (const Program::Jump& jump : p.jumps) {
+    if (jump.of_kernel) {
+      pasts.push_back(p.sites[jump.site].path);
+    } else {
+      jumps.push_back(jump.name);
+    }
+  }
   for (const Mode& mode : e.operations().modes) {
     if (!mode.of_loop) modes.push_back(p.sites[mode.site].path);
   }
   std::sort(modes.begin(), modes.end());
   modes.erase(std::unique(modes.begin(), modes.end()), modes.end());
+  pasts.erase(std::unique(pasts.begin(), pasts.end()), pasts.end());
   std::string text = "\nevents\n";
-  if (jumps.empty() && modes.empty()) return text + "  none\n";
+  if (jumps.empty() && modes.empty() && pasts.empty()) return text + "  none\n";
   if (!jumps.empty()) text += fmt::format("  states jump at: {}\n", list(jumps));
   if (!modes.empty()) text += fmt::format("  modes change in: {}\n", list(modes));
+  if (!pasts.empty())
+    text += fmt::format("  jumps and kinks come out, at instants that are located: {}\n", list(pasts));
   return text;
 }
 
@@ -125,7 +166,7 @@ class Restarts {
       text += fmt::format("  {}, in the derivative of {}\n", cause, list({states.begin(), states.end()}));
     }
     for (const Program::Jump& jump : e_.program->jumps) {
-      text += fmt::format("  event '{}': states jump\n", jump.name);
+      if (!jump.of_kernel) text += fmt::format("  event '{}': states jump\n", jump.name);
     }
     if (!graph_.modes.empty()) text += "  events of modes, as listed above\n";
     if (causes_.empty() && e_.program->jumps.empty() && graph_.modes.empty()) text += "  none\n";
@@ -271,8 +312,8 @@ std::string structure(const Explained& e) {
 std::string explain_diagram(const Explained& e) {
   const Model& model = *e.graph->model;
   std::string text = model.title.empty() ? model.path + "\n" : fmt::format("{}: {}\n", model.path, model.title);
-  return text + amounts(e) + rates(*e.graph) + order(e) + loops(e) + machines(*e.graph) + conditional_parts(*e.graph) +
-         events(e) + Restarts(e).text() + structure(e);
+  return text + amounts(e) + rates(*e.graph) + reads_across_rates(*e.graph) + order(e) + loops(e) + machines(*e.graph) +
+         conditional_parts(*e.graph) + events(e) + Restarts(e).text() + structure(e);
 }
 
 }  // namespace plantloop

@@ -247,7 +247,8 @@ class Teller {
   std::string events(const GraphBlock& b) const {
     std::string text;
     for (const Program::Jump& jump : e_.program->jumps) {
-      if (e_.program->sites[jump.site].path == b.path) text += fmt::format("  event {}: its states jump\n", jump.name);
+      if (e_.program->sites[jump.site].path == b.path && !jump.of_kernel)
+        text += fmt::format("  event {}: its states jump\n", jump.name);
     }
     std::size_t modes = 0;
     for (const Mode& mode : e_.operations().modes) {

@@ -3,6 +3,7 @@
 #include "engine/graph/evaluate.h"
 
 #include <cassert>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -166,28 +167,41 @@ Array evaluate(const Code& code, std::size_t from, std::size_t until, Names& nam
 
 namespace {
 
+// The same function, but never zero.
+Array with_sign_at_zero(const ConditionFunction& f) {
+  constexpr double least = std::numeric_limits<double>::min();
+  return map(Op::where, map(Op::equal, f.value, Array(0.0)), Array(f.at_zero * least), f.value);
+}
+
 // The condition that ends with step `last`. The depth of trees is limited by the parser.
-Array crossing_at(const Code& code, std::size_t last, Names& names) {
+ConditionFunction crossing_at(const Code& code, std::size_t last, Names& names) {
   const Step& s = code.steps[last];
-  if (s.kind == Step::Kind::unary && s.op == Op::logical_not) return -crossing_at(code, last - 1, names);
+  if (s.kind == Step::Kind::unary && s.op == Op::logical_not) {
+    const ConditionFunction f = crossing_at(code, last - 1, names);
+    return {-f.value, -f.at_zero};
+  }
   if (s.kind == Step::Kind::binary && !s.negate) {
     const std::size_t second = code.steps[last - 1].begin;  // first step of the right operand
     if (s.op == Op::logical_and || s.op == Op::logical_or) {
-      const Array left = crossing_at(code, second - 1, names);
-      return map(s.op == Op::logical_and ? Op::min : Op::max, left, crossing_at(code, last - 1, names));
+      const ConditionFunction left = crossing_at(code, second - 1, names), right = crossing_at(code, last - 1, names);
+      const Op op = s.op == Op::logical_and ? Op::min : Op::max;
+      if (left.at_zero == right.at_zero) return {map(op, left.value, right.value), left.at_zero};
+      return {map(op, with_sign_at_zero(left), with_sign_at_zero(right)), -1};
     }
     if (s.op == Op::less || s.op == Op::less_equal) {
       const Array left = evaluate(code, s.begin, second, names);
       const Array right = evaluate(code, second, last, names);
-      return s.swap ? left - right : right - left;
+      return {s.swap ? left - right : right - left, s.op == Op::less_equal ? 1 : -1};
     }
   }
-  return evaluate(code, s.begin, last + 1, names) - 0.5;
+  return {evaluate(code, s.begin, last + 1, names), -1};
 }
 
 }  // namespace
 
-Array crossing_of(const Code& code, Names& names) { return crossing_at(code, code.steps.size() - 1, names); }
+ConditionFunction crossing_of(const Code& code, Names& names) {
+  return crossing_at(code, code.steps.size() - 1, names);
+}
 
 std::optional<double> known_number(const Code& code, std::size_t from, std::size_t until, Names& names) {
   for (std::size_t i = from; i < until; ++i) {

@@ -33,9 +33,14 @@ Array evaluate(const Code& code, Names& names);
 // The value of the subexpression of steps [from, until).
 Array evaluate(const Code& code, std::size_t from, std::size_t until, Names& names);
 
-// A function that rises through zero where the condition becomes true, exactly there for comparisons joined by and, or,
-// not; of anything else its value less 0.5.
-Array crossing_of(const Code& code, Names& names);
+// A function that is positive where the condition holds and negative where it does not, and crosses zero in between: of
+// a comparison the difference of its sides, of a bare number the number itself. `at_zero` says whether the condition
+// holds where the function is zero: 1 it does, -1 it does not.
+struct ConditionFunction {
+  Array value;
+  int at_zero = -1;
+};
+ConditionFunction crossing_of(const Code& code, Names& names);
 
 // The number that steps [from, until) give, if all of their names are known and it is one.
 std::optional<double> known_number(const Code& code, std::size_t from, std::size_t until, Names& names);

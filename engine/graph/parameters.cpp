@@ -92,15 +92,22 @@ class Evaluation final : public Checking {
     return p && p->is_set;
   }
   void problem(const Declared& declared, const std::string& text) override {
-    const GraphParameter* p = find(declared);
-    Mark mark = p ? p->mark : block_->declaration->mark;
-    for (const FieldDecl& field : block_->declaration->fields) {
-      if (!p && field.name == declared.name) mark = field.mark;
-    }
-    add_origin(e_.findings.error(mark, "{}: {}", title_of(g_, *block_), text).named("parameter"), p);
+    add_origin(e_.findings.error(mark_of(declared), "{}: {}", title_of(g_, *block_), text).named("parameter"),
+               find(declared));
+  }
+  void note(const Declared& declared, std::string_view check, const std::string& text) override {
+    e_.findings.note(mark_of(declared), "{}: {}", title_of(g_, *block_), text).named(std::string(check));
   }
 
  private:
+  Mark mark_of(const Declared& declared) const {
+    if (const GraphParameter* p = find(declared)) return p->mark;
+    for (const FieldDecl& field : block_->declaration->fields) {
+      if (field.name == declared.name) return field.mark;
+    }
+    return block_->declaration->mark;
+  }
+
   // Depth first, without recursion; parameters in a circle are reported once and left out.
   void order_parameters() {
     const auto count = static_cast<std::uint32_t>(g_.parameters.size());

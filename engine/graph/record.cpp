@@ -54,6 +54,8 @@ class RecordingInstance final : public StaticInstance {
   std::vector<Activity> activity(int list) override;
   Value hit() override;
   Value period() override;
+  Meeting meeting(int index) override;
+  Array earlier(int index, const Array& initial, bool steady) override;
   std::vector<Value> kernel(std::shared_ptr<const Kernel> kernel, std::vector<Value> inputs,
                             std::vector<Value> advanced) override;
   void write(Written what, int index, const Array& value) override;
@@ -640,12 +642,13 @@ class GraphRecording {
     recorder_.plain = true;
     recorder_.site = recorder_.add_site(activation.path, "trigger", decl.mark);
     RecordedNames names(*this, activation.trigger_when);
-    const Array function = crossing_of(*activation.trigger_when.code, names);
+    const auto [function, at_zero] = crossing_of(*activation.trigger_when.code, names);
     for (int i = 0; i < function.size(); ++i) {
       RecordedJump jump;
       jump.name = activation.path + ".trigger" + element_suffix(function.shape(), i);
       jump.site = recorder_.site;
       jump.function = function[i];
+      jump.at_zero = at_zero;
       jump.direction = decl.edge == "falling" ? -1 : decl.edge == "either" ? 0 : 1;
       jump.rate = recorder_.rate;
       jump.activation = recorder_.activation;
@@ -676,13 +679,14 @@ class GraphRecording {
     recorder_.plain = true;
     recorder_.site = recorder_.add_site(path, "reset", decl.reset->mark);
     RecordedNames names(*this, when);
-    const Array function = crossing_of(*when.code, names);
+    const auto [function, at_zero] = crossing_of(*when.code, names);
     std::vector<RecordedJump> jumps;
     for (int i = 0; i < function.size(); ++i) {
       RecordedJump jump;
       jump.name = path + ".reset" + element_suffix(function.shape(), i);
       jump.site = recorder_.site;
       jump.function = function[i];
+      jump.at_zero = at_zero;
       jump.direction = decl.reset->edge == "falling" ? -1 : decl.reset->edge == "either" ? 1 - 1 : 1;
       jump.rate = recorder_.rate;
       jump.activation = recorder_.activation;
@@ -1044,6 +1048,42 @@ Value RecordingInstance::period() {
   if (block_->rate.kind != GraphRate::Kind::discrete) return 0;
   const ClockRate& rate = graph_.rates[block_->rate.index];
   return rate.trigger != 0 ? recording_.elapsed(rate.trigger) : Value(rate.period.to_double());
+}
+
+Meeting RecordingInstance::meeting(int index) {
+  const GraphNet& net = graph_.nets[block_->first_input + static_cast<std::uint32_t>(index)];
+  if (net.by_parameter || net.rate.kind != GraphRate::Kind::discrete) return Meeting::never;
+  if (block_->rate.kind != GraphRate::Kind::discrete) return Meeting::apart;
+  if (net.rate.index == block_->rate.index) return Meeting::faster;
+  const ClockRate &of_signal = graph_.rates[net.rate.index], &own = graph_.rates[block_->rate.index];
+  if (of_signal.trigger != 0 || own.trigger != 0) return Meeting::apart;
+  const auto fits = [](const ClockRate& fast, const ClockRate& slow) {
+    const std::optional<Rational> shift = subtract(slow.offset, fast.offset);
+    const std::optional<Rational> periods = divide(slow.period, fast.period);
+    const std::optional<Rational> offsets = shift ? divide(*shift, fast.period) : std::nullopt;
+    return periods && periods->den() == 1 && offsets && offsets->den() == 1;
+  };
+  return fits(of_signal, own) ? Meeting::faster : fits(own, of_signal) ? Meeting::slower : Meeting::apart;
+}
+
+Array RecordingInstance::earlier(int index, const Array& initial, bool steady) {
+  Recorder& recorder = recording_.recorder();
+  const GraphNet& net = graph_.nets[block_->first_input + static_cast<std::uint32_t>(index)];
+  const Array signal = input(index);
+  Array result(signal.shape());
+  for (int i = 0; i < signal.size(); ++i) {
+    RecordedDiscrete state;
+    state.name = block_->path + element_suffix(signal.shape(), i);
+    state.site = recorder.site;
+    state.rate = recording_.rate_of(net.rate);
+    state.initial = initial.at(i);
+    state.next = signal[i];
+    state.unit = std::string(net.unit);
+    recorder.record.discretes.push_back(std::move(state));
+    const auto at = static_cast<std::uint32_t>(recorder.record.discretes.size() - 1);
+    result[i] = steady ? recorder.discrete(at) : recorder.discrete_before(at);
+  }
+  return result;
 }
 
 std::vector<Value> RecordingInstance::kernel(std::shared_ptr<const Kernel> kernel, std::vector<Value> inputs,

@@ -48,6 +48,8 @@ class StaticInstance : public BlockInstance {
   std::vector<Activity> activity(int) override { return {}; }
   Value hit() override { return 0; }
   Value period() override { return 0; }
+  Meeting meeting(int) override { return Meeting::never; }
+  Array earlier(int, const Array&, bool) override { return not_yet(); }
   std::vector<Value> kernel(std::shared_ptr<const Kernel>, std::vector<Value>, std::vector<Value>) override {
     return {};
   }

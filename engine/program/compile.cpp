@@ -140,14 +140,14 @@ class Compiler {
   void collect_guards() {
     for (std::uint32_t m = 0; m < graph_.modes.size(); ++m) {
       for (const auto guard : graph_.modes[m].guards) {
-        program_->guards.push_back({false, m, 0, graph_.operations[guard].is_continuous(), no_gate});
+        program_->guards.push_back({false, m, 0, graph_.operations[guard].is_continuous(), 0, no_gate});
         guard_roots_.push_back(guard);
       }
     }
     for (std::uint32_t j = 0; j < record_.jumps.size(); ++j) {
       const std::uint32_t guard = resolved_->jumps[j].guard;
-      program_->guards.push_back(
-          {true, j, record_.jumps[j].direction, graph_.operations[guard].is_continuous(), no_gate});
+      program_->guards.push_back({true, j, record_.jumps[j].direction, graph_.operations[guard].is_continuous(),
+                                  record_.jumps[j].at_zero, no_gate});
       guard_roots_.push_back(guard);
     }
   }

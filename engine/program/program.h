@@ -51,6 +51,7 @@ struct Program {
     std::uint32_t index;  // of the mode, or of the jump in `jumps`
     int direction;        // jumps: 1 rising, -1 falling, 0 either
     bool continuous;      // can cross zero between hits and events
+    int at_zero;          // the sign that zero counts as; 0: whatever the function crosses to
     SlotIndex gate;       // jumps: fires only while this slot is not 0, before and at the event; no_gate: always
   };
   std::vector<Guard> guards;

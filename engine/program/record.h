@@ -83,6 +83,7 @@ struct RecordedJump {
   std::uint32_t site = 0;
   Value function;
   int direction = 0;       // 1 rising, -1 falling, 0 either
+  int at_zero = 0;         // the sign that zero counts as; 0: whatever the function crosses to
   bool of_slope = false;   // it fires where the function's derivative by time crosses zero
   bool of_kernel = false;  // a kernel's output is not smooth there, and nothing else happens
   bool level = false;      // it also fires where the function is positive when it begins to be looked at
@@ -153,9 +154,10 @@ class Recorder final : public OperationSink {
   RateIndex add_trigger();                                             // a rate whose hits are events
   Value parameter(std::string name, double value, std::string unit = {});
   Value time();
-  Value state(std::uint32_t index);     // index into record.states
-  Value discrete(std::uint32_t index);  // index into record.discretes; latched by a copy at the state's rate
-  Value implicit(std::uint32_t index);  // index into record.unknowns
+  Value state(std::uint32_t index);            // index into record.states
+  Value discrete(std::uint32_t index);         // index into record.discretes; latched by a copy at the state's rate
+  Value discrete_before(std::uint32_t index);  // the same, sampled at the recorder's rate; before an update there
+  Value implicit(std::uint32_t index);         // index into record.unknowns
   Value hit(RateIndex rate);
   Value segment(std::vector<Value> times);
   Value beats(Value first, Value period);

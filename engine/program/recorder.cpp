@@ -73,6 +73,18 @@ Value Recorder::discrete(std::uint32_t index) {
   return Value::node(latches_[index]);
 }
 
+Value Recorder::discrete_before(std::uint32_t index) {
+  const RateIndex own = std::exchange(rate, record.discretes[index].rate);
+  RecordedNode node;
+  node.op = Op::copy;
+  node.rate = own;
+  node.a = leaf(Op::discrete, index).id();
+  node.site = site;
+  record.nodes.push_back(node);
+  rate = own;
+  return Value::node(static_cast<std::uint32_t>(record.nodes.size() - 1));
+}
+
 Value Recorder::implicit(std::uint32_t index) {
   const Value unknown = leaf(Op::implicit, index);
   record.nodes[unknown.id()].rate = rate;  // of a sampled block: found at its hits

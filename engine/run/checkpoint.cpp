@@ -77,6 +77,14 @@ class Hash {
   std::uint64_t value_ = 14695981039346656037u;
 };
 
+// Of everything else: a number that was changed by chance or by hand must not become a result.
+std::uint64_t checksum_of(Json json) {
+  json.erase("checksum");
+  Hash hash;
+  hash.add(json.dump());
+  return hash.value();
+}
+
 }  // namespace
 
 std::uint64_t structure_of(const Program& program) {
@@ -166,24 +174,25 @@ std::string to_json(const Checkpoint& c) {
   for (const History& h : c.histories)
     histories.push_back({{"time", in_json(h.time)}, {"value", in_json(h.value)}, {"order", in_json(h.order)}});
   std::vector<int> signs(c.signs.begin(), c.signs.end());
-  const Json json = {{"plantloop_checkpoint", format_version},
-                     {"start", in_json(c.start)},
-                     {"time", in_json(c.time)},
-                     {"structure", c.structure},
-                     {"states", in_json(c.states)},
-                     {"sampled", in_json(c.sampled)},
-                     {"arena", in_json(c.arena)},
-                     {"kernels", in_json(c.kernel_states)},
-                     {"loops", in_json(c.loop_values)},
-                     {"histories", histories},
-                     {"next_hit", c.next_hit},
-                     {"next_instant", c.next_instant},
-                     {"signs", signs},
-                     {"at_zero", c.at_zero},
-                     {"was_open", std::vector<int>(c.was_open.begin(), c.was_open.end())},
-                     {"last_event", in_json(c.last_event)},
-                     {"quiet_until", in_json(c.quiet_until)},
-                     {"in_a_row", c.in_a_row}};
+  Json json = {{"plantloop_checkpoint", format_version},
+               {"start", in_json(c.start)},
+               {"time", in_json(c.time)},
+               {"structure", c.structure},
+               {"states", in_json(c.states)},
+               {"sampled", in_json(c.sampled)},
+               {"arena", in_json(c.arena)},
+               {"kernels", in_json(c.kernel_states)},
+               {"loops", in_json(c.loop_values)},
+               {"histories", histories},
+               {"next_hit", c.next_hit},
+               {"next_instant", c.next_instant},
+               {"signs", signs},
+               {"at_zero", c.at_zero},
+               {"was_open", std::vector<int>(c.was_open.begin(), c.was_open.end())},
+               {"last_event", in_json(c.last_event)},
+               {"quiet_until", in_json(c.quiet_until)},
+               {"in_a_row", c.in_a_row}};
+  json["checksum"] = checksum_of(json);
   return json.dump(1) + "\n";
 }
 
@@ -198,6 +207,10 @@ CheckpointResult checkpoint_from_json(std::string_view text) {
     if (json.at("plantloop_checkpoint").get<int>() != format_version) {
       result.error = fmt::format("it was written by another version: its format is {}, this one reads {}",
                                  json.at("plantloop_checkpoint").get<int>(), format_version);
+      return result;
+    }
+    if (json.at("checksum").get<std::uint64_t>() != checksum_of(json)) {
+      result.error = "it is damaged: its checksum is of other contents";
       return result;
     }
     Checkpoint& c = result.checkpoint;

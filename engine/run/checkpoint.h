@@ -1,7 +1,9 @@
 // A run at one instant, so that another run can go on from there, bit for bit (S14).
 //
 // A save point is a stop at which the solver starts anew in every run that lists it. It stands behind everything that
-// happens at its time: rows, events and the update of sampled states.
+// happens at its time: rows, events and the update of sampled states. Before the update, which S14 first had in mind,
+// would give the same bits, since what anybody reads of a sampled state is a copy taken at the hit; but the run that
+// goes on would have to know which hits it still owes an update.
 
 #pragma once
 

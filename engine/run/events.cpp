@@ -26,6 +26,12 @@ std::vector<Direction> directions_of_guards(const Program& program) {
   return directions;
 }
 
+std::vector<std::int8_t> signs_at_zero(const Program& program) {
+  std::vector<std::int8_t> signs;
+  for (const Program::Guard& guard : program.guards) signs.push_back(static_cast<std::int8_t>(guard.at_zero));
+  return signs;
+}
+
 }  // namespace
 
 Events::Events(RunState& run, KernelAdvance& kernels, Rows& rows)
@@ -35,7 +41,7 @@ Events::Events(RunState& run, KernelAdvance& kernels, Rows& rows)
       options_(run.options),
       kernels_(kernels),
       rows_(rows),
-      roots_(directions_of_guards(run.program), run.options.event_tol),
+      roots_(directions_of_guards(run.program), run.options.event_tol, signs_at_zero(run.program)),
       guard_values_(run.program.guards.size()),
       was_open_(run.program.guards.size(), 1),
       last_event_(run.program.guards.size(), -infinity),
@@ -86,9 +92,8 @@ bool Events::crossing_between(double before, double after) {
 // Beyond the instant at which a kernel's output is not smooth the step used what held before, so that its dense output
 // is bent. The step is taken again, up to there.
 bool Events::step_again(double before, double at) {
-  if (!only_kernels_fired() || retried_at_ == before) return false;
+  if (!only_kernels_fired() || before < wanted_stop_) return false;  // once for each such instant
   if (at - before < 1e3 * event_tolerance(at, options_.event_tol)) return false;
-  retried_at_ = before;
   wanted_stop_ = at;
   run_.put_states_of(before);
   run_.t = before;

@@ -22,6 +22,11 @@ class Events {
   bool none() const { return program_.guards.empty(); }
   // Where (s) the next step should end; not after the run's time: nowhere.
   double wanted_stop() const { return wanted_stop_; }
+  // Forgets the steps before, as a run that goes on from a save point does.
+  void forget_steps() {
+    wanted_stop_ = -std::numeric_limits<double>::infinity();
+    retried_at_ = std::numeric_limits<double>::quiet_NaN();
+  }
   // Handles the first event on (before, after], if there is one: true, and the run's time is that of the event. A long
   // step is looked at in parts as short as the gaps between rows, so that a function that changes its sign twice is
   // seen.

@@ -162,10 +162,10 @@ void Rows::row_inside(double t) {
   append(t, 0);
 }
 
-void Rows::log_left(double t) {
+void Rows::log_left(double t, bool is_stop) {
   const bool sampled = sampled_with(t);
   // On a grid the value after a jump counts, so a grid time that is a stop is logged by log_right.
-  const bool wanted = options_.output_interval > 0 ? grid_.at(next_grid_) <= t && t < run_.clockwork->next()
+  const bool wanted = options_.output_interval > 0 ? grid_.at(next_grid_) <= t && !is_stop
                                                    : recording_.rows() == 0 || recording_.time().back() < t;
   if (!wanted && !sampled) return;
   evaluate_row(t, true);

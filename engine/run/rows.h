@@ -23,8 +23,8 @@ class Rows {
   void resume();
   // Rows inside an accepted step: the output grid, or as many as keep the gaps small; and samples there.
   void log_between(double before, double after);
-  // The row at the end of a step: the left one, should something jump here.
-  void log_left(double t);
+  // The row at the end of a step: the left one, should something jump here. On a grid a stop is left to log_right.
+  void log_left(double t, bool is_stop);
   // The same where an event was located: nothing has crossed at `before`, and its actions may set states (`jumps`).
   void log_left_of_event(double t, double before, bool jumps);
   // The row after everything at the run's time has settled; it takes the place of the left one unless a continuous

@@ -52,10 +52,10 @@ class Runner {
     take_save_times();
     begin();
     while (run_.t < options_.stop && !run_.ended() && !options_.only_start) {
-      const double stop = next_stop();
+      stop_ = next_stop();
       const double grid = next_grid_stop();
-      advance_to(grid < stop && !is_same_instant(grid, stop) ? grid : stop);
-      if (run_.t >= stop && !run_.ended()) at_stop();
+      advance_to(grid < stop_ && !is_same_instant(grid, stop_) ? grid : stop_);
+      if (run_.t >= stop_ && !run_.ended()) at_stop();
     }
     finish();
     return run_.statistics;
@@ -171,6 +171,7 @@ class Runner {
       control_.save(checkpoint);
     }
     make_solver();
+    events_.forget_steps();
     run_.restart = true;
   }
 
@@ -238,7 +239,7 @@ class Runner {
       if (!events_.none() && events_.crossing_between(before, after)) return update_triggered();
       rows_.log_between(before, after);
       run_.t = after;
-      rows_.log_left(run_.t);
+      rows_.log_left(run_.t, run_.t >= stop_);
       run_.accept_loops();
       if (!kernels_.none()) {
         kernels_.through(before, after);
@@ -302,7 +303,7 @@ class Runner {
     rows_.log_between(before, stop);
     run_.t = stop;
     if (has_continuous_) {
-      rows_.log_left(run_.t);
+      rows_.log_left(run_.t, run_.t >= stop_);
       if (!kernels_.none()) kernels_.through(before, run_.t);
     }
   }
@@ -350,9 +351,11 @@ class Runner {
       held_before_[i] = frame_.arena[program_.held_in_derivatives[i]];
     events_.take_holds(run_.t);
     Mask bits = run_.clockwork->advance(run_.t);
-    if (bits == 0 && has_continuous_ && run_.t >= options_.stop && !save_is_due())
-      return;  // the last row stands already
     const int came_out = kernels_.broken_by(run_.t);
+    if (bits == 0 && has_continuous_ && run_.t >= options_.stop && came_out == Break::smooth && !save_is_due()) {
+      if (options_.output_interval > 0) rows_.log_right(0);
+      return;  // else the last row stands already
+    }
     if (came_out == 0) run_.restart = true;
     const std::int64_t mode_changes = run_.statistics.mode_changes;
     events_.release();
@@ -432,6 +435,7 @@ class Runner {
   std::optional<ProgramSystem> system_;
   std::vector<double> save_times_;
   std::size_t next_save_ = 0;
+  double stop_ = 0;  // s; where the present steps end at the latest
   bool has_continuous_ = true;
   std::int64_t steps_by_list_ = 0;
 };

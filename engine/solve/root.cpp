@@ -20,21 +20,33 @@ double event_tolerance(double t, double event_tol) {
   return std::max(event_tol, 10 * 128 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(t)));
 }
 
-RootFinder::RootFinder(std::vector<Direction> directions, double event_tol)
+RootFinder::RootFinder(std::vector<Direction> directions, double event_tol, std::vector<std::int8_t> at_zero)
     : directions_(std::move(directions)),
       event_tol_(event_tol),
+      sign_at_zero_(std::move(at_zero)),
       signs_(directions_.size()),
       at_zero_(directions_.size()),
       left_(directions_.size()),
       middle_(directions_.size()),
       right_(directions_.size()) {
   fired_.reserve(directions_.size());
+  sign_at_zero_.resize(directions_.size());
+}
+
+std::int8_t RootFinder::sign_of(std::size_t i, double value) const {
+  return value == 0 ? sign_at_zero_[i] : sign(value);
 }
 
 bool RootFinder::fires(std::size_t i, double value) const {
   const std::int8_t before = signs_[i];
-  if (before == 0 || sign(value) == before || std::isnan(value) || (value == 0 && at_zero_[i])) return false;
+  if (before == 0 || sign_of(i, value) == before || std::isnan(value) || (value == 0 && at_zero_[i])) return false;
   return directions_[i] == Direction::both || static_cast<std::int8_t>(directions_[i]) == -before;
+}
+
+// Inside the interval: a condition that is beyond zero at its end has not crossed while it is at zero, so that all that
+// cross at one instant are beyond zero at the time that is found.
+bool RootFinder::crosses_inside(std::size_t i, double value) const {
+  return fires(i, value) && (value != 0 || right_[i] == 0 || sign_at_zero_[i] == 0);
 }
 
 // Puts the functions that fire at these values into fired_.
@@ -97,7 +109,7 @@ std::optional<RootFinder::Crossing> RootFinder::first(double t0, double t1, cons
     evaluate(t, middle_.data());
     const bool crossed = [&] {
       for (std::size_t i = 0; i < middle_.size(); ++i) {
-        if (fires(i, middle_[i])) return true;
+        if (crosses_inside(i, middle_[i])) return true;
       }
       return false;
     }();
@@ -117,7 +129,7 @@ void RootFinder::remember(std::span<const double> values) {
   assert(values.size() == signs_.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isnan(values[i])) continue;
-    if (const std::int8_t now = sign(values[i]); now != 0) signs_[i] = now;
+    if (const std::int8_t now = sign_of(i, values[i]); now != 0) signs_[i] = now;
     at_zero_[i] = values[i] == 0;
   }
 }
@@ -125,9 +137,9 @@ void RootFinder::remember(std::span<const double> values) {
 void RootFinder::remember_fired(std::span<const int> fired, std::span<const double> values) {
   for (const int at : fired) {
     const auto i = static_cast<std::size_t>(at);
-    const std::int8_t now = sign(values[i]);
+    const std::int8_t now = sign_of(i, values[i]);
     signs_[i] = now != 0 ? now : static_cast<std::int8_t>(-signs_[i]);
-    at_zero_[i] = now == 0;
+    at_zero_[i] = values[i] == 0;
   }
 }
 

@@ -1,9 +1,10 @@
 // Where the first of several functions of time changes its sign: state events.
 //
 // A function fires on (t0, t1] when its sign at t1 differs from its last nonzero sign before (zero counts as changed)
-// and the change goes in its direction. A function that stays at zero does not fire again. The change is located in
-// time, never by the size of the function. Two changes of one function inside one interval cancel and are not seen;
-// `look_halfway` sees those that the middle shows.
+// and the change goes in its direction. Zero counts as the sign that it is told to count as, else as changed. A
+// function that stays at zero does not fire again. The change is located in time, never by the size of the function.
+// Two changes of one function inside one interval cancel and are not seen; `look_halfway` sees those that the middle
+// shows.
 
 #pragma once
 
@@ -25,7 +26,8 @@ class RootFinder {
   // Writes the value of every function at time t.
   using Functions = std::function<void(double t, double* values)>;
 
-  explicit RootFinder(std::vector<Direction> directions, double event_tol = 0);
+  // `at_zero`: the sign that zero counts as, for each function; 0: whatever it crosses to. Empty: 0 for all.
+  explicit RootFinder(std::vector<Direction> directions, double event_tol = 0, std::vector<std::int8_t> at_zero = {});
 
   std::size_t size() const { return directions_.size(); }
 
@@ -66,11 +68,14 @@ class RootFinder {
   }
 
  private:
+  std::int8_t sign_of(std::size_t i, double value) const;
+  bool crosses_inside(std::size_t i, double value) const;
   bool collect(const std::vector<double>& values);
   double estimate(double a, double b) const;
 
   std::vector<Direction> directions_;
   double event_tol_;
+  std::vector<std::int8_t> sign_at_zero_;
   std::vector<std::int8_t> signs_;
   std::vector<bool> at_zero_;  // when last remembered
   std::vector<double> left_, middle_, right_;

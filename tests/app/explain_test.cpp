@@ -81,5 +81,19 @@ TEST_F(Explain, ANameThatIsNotThereIsWrong) {
   EXPECT_EQ(o.err, "error: the diagram has nothing named 'twicf'\n  did you mean 'twice'?\n");
 }
 
+TEST_F(Explain, ListsReadsAcrossRates) {
+  place_.write("loop.yaml", R"(plantloop: 1
+blocks:
+  t: {type: clock}
+  fast: {type: zero_order_hold, in: t, rate: 0.1}
+  slow: {type: gain, k: 2, in: fast + 1, rate: 0.4}
+  again: {expr: slow + fast, rate: 0.2}
+  carried: {type: rate_transition, in: slow, rate: 0.1}
+simulation: {stop: 1}
+)");
+  EXPECT_THAT((*this)(), HasSubstr("\nacross rates, always the present value (a rate_transition defines a latency)\n"
+                                   "  again holds slow\n  again samples fast\n  slow samples fast\n"));
+}
+
 }  // namespace
 }  // namespace plantloop::testing_program

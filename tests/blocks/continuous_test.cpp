@@ -263,6 +263,9 @@ blocks:
 TEST(TransportDelay, OfZeroIsTheSignalItself) {
   const Signals r = run("blocks: {y: {type: transport_delay, in: time, delay: 0}}\n" + accurate);
   EXPECT_EQ(r.last("y"), 4);
+  EXPECT_THAT(
+      findings("blocks: {y: {type: transport_delay, in: time, delay: 0}}\n" + accurate),
+      HasSubstr("note: 'y' (transport_delay): a delay of 0 s is none: the output is the input at the same instant"));
   EXPECT_THAT(findings("blocks: {y: {type: transport_delay, in: 1, delay: -1}}\n" + accurate),
               HasSubstr("must be at least 0 s"));
 }

@@ -76,7 +76,7 @@ void expect_exact(const std::string& text, RunRequest request, double save_at, d
     EXPECT_TRUE(same_bits(a.values[c], b.values[c])) << whole.recording.columns[c].name;
 }
 
-TEST(EveryBlock, GoesOnFromACheckpointToTheLastBit) {
+TEST(S14EveryBlock, GoesOnFromACheckpointToTheLastBit) {
   for (const Sample& sample : samples()) {
     SCOPED_TRACE(sample.type->name);
     // A diagram without states steps by a part of the whole run when it is not told, and the first run is shorter.
@@ -86,7 +86,7 @@ TEST(EveryBlock, GoesOnFromACheckpointToTheLastBit) {
   }
 }
 
-TEST(EverySolver, GoesOnFromACheckpointToTheLastBit) {
+TEST(S14EverySolver, GoesOnFromACheckpointToTheLastBit) {
   const std::string text = R"(
 blocks:
   u: {type: square, amplitude: 1, period: 0.7}

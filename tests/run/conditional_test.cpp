@@ -243,6 +243,60 @@ simulation: {stop: 2}
   EXPECT_EQ(r.last("s.y"), 1);
 }
 
+TEST(S12EnabledAndTriggered, BothRunItAlsoWhereAStepEndsExactlyThere) {
+  // At the end of a step at 1 both functions are exactly zero. Without states, with a fixed step, and at a source's
+  // edge.
+  for (const char* rest :
+       {"simulation: {stop: 2, max_step: 0.5}\n",
+        "  x: {type: integrator, in: 1}\nsimulation: {stop: 2, solver: rk4, step: 0.25}\n",
+        "  x: {type: integrator, in: edge}\n  edge: {type: step, time: 1}\nsimulation: {stop: 2}\n"}) {
+    for (const char* when : {"time - 1", "time > 1", "time >= 1"}) {
+      const std::string text = std::string("blocks:\n  n: {type: unit_delay, in: n + 1, initial: 1, enable: {when: ") +
+                               when + ", initial: 0}, trigger: {when: " + when + "}}\n" + rest;
+      const Signals r = run(text);
+      EXPECT_EQ(r.at("n", 1.001), 1) << text;
+      EXPECT_EQ(r.last("n"), 1) << text;
+      EXPECT_THAT(r.recording().events.at("n.trigger"), ::testing::ElementsAre(::testing::DoubleNear(1, 1e-12)))
+          << text;
+    }
+  }
+}
+
+TEST(S12Triggered, ABareNumberTriggersWhereItBecomesPositive) {
+  const Signals r = run(R"(
+blocks:
+  n: {type: unit_delay, in: n + 1, trigger: {when: sin(time)}}
+  flag: {type: staircase, times: [0, 1, 2, 3], values: [0, 1, 0, 1]}
+  m: {type: unit_delay, in: m + 1, trigger: {when: flag}}
+  h: {type: integrator, in: 1, reset: {when: h - 2, to: 0}}
+simulation: {stop: 10}
+record: [n, m, h]
+)");
+  // At the start sin(time) is zero and rises: it becomes positive there.
+  const std::vector<double>& n = r.recording().events.at("n.trigger");
+  ASSERT_EQ(n.size(), 2u);
+  EXPECT_NEAR(n[0], 0, 1e-11);
+  EXPECT_NEAR(n[1], 2 * pi, 1e-11);
+  EXPECT_THAT(r.recording().events.at("m.trigger"), ::testing::ElementsAre(1, 3));
+  const std::vector<double>& h = r.recording().events.at("h.reset");
+  ASSERT_EQ(h.size(), 4u);
+  EXPECT_NEAR(h[3], 8, 1e-11);
+}
+
+TEST(S12Triggered, AStrictComparisonDoesNotHoldOnItsBorder) {
+  const Signals r = run(R"(
+blocks:
+  u: {type: staircase, times: [0, 1, 2, 3], values: [-1, 0, 1, 0]}
+  n: {type: unit_delay, in: n + 1, trigger: {when: u > 0}}
+  m: {type: unit_delay, in: m + 1, trigger: {when: u >= 0}}
+  k: {type: unit_delay, in: k + 1, trigger: {when: u > 0, edge: falling}}
+simulation: {stop: 4}
+)");
+  EXPECT_THAT(r.recording().events.at("n.trigger"), ::testing::ElementsAre(2));
+  EXPECT_THAT(r.recording().events.at("m.trigger"), ::testing::ElementsAre(1));
+  EXPECT_THAT(r.recording().events.at("k.trigger"), ::testing::ElementsAre(3));
+}
+
 TEST(S12Conditional, ShufflingTheBlocksChangesNoByte) {
   const std::string types = R"(
 types:

@@ -137,12 +137,27 @@ record: [first, second, x]
   EXPECT_NEAR(r.last("x"), (3 - 1.75) + (3 - 2.05) * (3 - 2.05) / 2, 1e-12);
 }
 
+TEST(S13Delays, OnAnOutputGridAndAtTheStopTheValueAfterTheJumpIsShown) {
+  const Signals r = run(R"(
+blocks:
+  u: {type: step, time: 0.5}
+  late: {type: transport_delay, in: u, delay: 0.25, initial: 0}
+  last: {type: transport_delay, in: u, delay: 0.5, initial: 0}
+  x: {type: integrator, in: late}
+simulation: {stop: 1, output_interval: 0.25}
+record: [u, late, last, x]
+)");
+  EXPECT_THAT(r.column("u"), ::testing::ElementsAre(0, 0, 1, 1, 1));
+  EXPECT_THAT(r.column("late"), ::testing::ElementsAre(0, 0, 0, 1, 1));
+  EXPECT_THAT(r.column("last"), ::testing::ElementsAre(0, 0, 0, 0, 1));
+}
+
 TEST(S13Delays, AnEventComesOutOfADelayToo) {
   // A ball's bounces, 0.3 s late: the speed jumps there.
   const Signals r = run(R"(
 blocks:
   h: {type: integrator, in: v, initial: 1}
-  v: {type: integrator, in: -9.81, reset: {when: -h, to: -0.8*v}}
+  v: {type: integrator, in: -9.81, reset: {when: h < 0, to: -0.8*v}}
   late: {type: transport_delay, in: v, delay: 0.3, initial: 0}
   way: {type: integrator, in: late}
 simulation: {stop: 2, rtol: 1e-9, atol: 1e-10}

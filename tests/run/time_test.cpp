@@ -117,6 +117,22 @@ record: [x]
   EXPECT_THAT(r.recording().time(), ElementsAre(0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7));
 }
 
+TEST(S1Time, RatesNeedNoCommonTick) {
+  // Their greatest common divisor is 1e-13 s: 2^53 of such ticks are 900 s.
+  const Signals r = run(R"(
+blocks:
+  a: {type: discrete_integrator, in: 1, rate: 0.1}
+  b: {type: discrete_integrator, in: 1, rate: 0.1000000000001}
+simulation: {stop: 2000}
+record: [a, b]
+)");
+  const std::vector<double> a = hit_times(r, "a"), b = hit_times(r, "b");
+  ASSERT_EQ(a.size(), 20001u);
+  ASSERT_EQ(b.size(), 20000u);
+  EXPECT_EQ(a[19999], 1999.9);
+  EXPECT_EQ(b[19999], 1999.9000000019999);
+}
+
 TEST(S1Time, PeriodsThatCannotBeCountedAreRefused) {
   EXPECT_THROW(run(R"(
 blocks:

@@ -128,6 +128,27 @@ TEST_F(Runs, OfADiagramInTheScript) {
       "6.0");
 }
 
+TEST_F(Runs, S14CheckpointsGoOnWithTheSameBits) {
+  EXPECT_EQ(printed("local d = require('plantloop').load 'lag.yaml'\n"
+                    "local whole = d:run{stop = 4, save_at = 2, save = 'half.json'}\n"
+                    "local rest = d:run{stop = 4, from = 'half.json'}\n"
+                    "print(rest.time[1], rest.y[#rest.y] == whole.y[#whole.y])"),
+            "2.0\ttrue");
+}
+
+TEST_F(Runs, S14CheckpointsThatDoNotFitAreRefused) {
+  const std::string other =
+      "local pl = require 'plantloop'\npl.load 'lag.yaml':run{stop = 2, save = 'half.json'}\n"
+      "local d = pl.diagram [[\nplantloop: 1\nblocks: {x: {type: integrator, in: 3}}\nsimulation: {stop: 4}\n]]\n";
+  EXPECT_THAT(run(other + "d:run{from = 'half.json'}").messages,
+              testing::AllOf(HasSubstr("the checkpoint is of another diagram, or of this one before it changed"),
+                             HasSubstr("it does not have: x")));
+  EXPECT_EQ(printed(other + "print(#d:run{from = 'half.json', partial = true}.time > 0)"), "true");
+  write("half.json", "{");
+  EXPECT_THAT(complaint("require('plantloop').load 'lag.yaml':run{from = 'half.json'}"),
+              HasSubstr("cannot read 'half.json': it is no checkpoint of a run"));
+}
+
 TEST_F(Runs, EndWhenTheScriptIsCancelled) {
   std::atomic<bool> cancel{true};
   options.cancel = &cancel;

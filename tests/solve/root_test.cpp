@@ -147,5 +147,25 @@ TEST(RootFinder, DoesNotFireAgainWhileAFunctionStaysAtZero) {
   EXPECT_TRUE(finder.first(1.8, 3, limited.functions()));
 }
 
+TEST(RootFinder, TakesZeroForTheSignThatItIsTold) {
+  RootFinder finder({Direction::both, Direction::both}, 0, {1, -1});
+  finder.remember(std::vector{-1.0, -1.0});
+  EXPECT_TRUE(finder.fires(0, 0));   // a condition that holds at zero
+  EXPECT_FALSE(finder.fires(1, 0));  // one that does not
+  EXPECT_TRUE(finder.fires(1, 1e-300));
+  // Two at one root, of which a midpoint hits exactly zero: both are beyond it at the time that is found.
+  finder.remember(std::vector{-1.0, -1.0});
+  const auto crossing = finder.first(0, 1, [](double t, double* values) { values[0] = values[1] = t - 0.5; });
+  ASSERT_TRUE(crossing);
+  EXPECT_EQ(crossing->fired.size(), 2u);
+  EXPECT_GT(crossing->values[0], 0);
+  // A function that comes to rest at zero is found where it does so.
+  RootFinder resting({Direction::both}, 0, {1});
+  resting.remember(std::vector{-1.0});
+  const auto rest = resting.first(0, 1, [](double t, double* values) { values[0] = std::min(0.0, t - 0.25); });
+  ASSERT_TRUE(rest);
+  EXPECT_NEAR(rest->time, 0.25, event_tolerance(1, 0));
+}
+
 }  // namespace
 }  // namespace plantloop
