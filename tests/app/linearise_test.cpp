@@ -62,21 +62,21 @@ class S16LineariseCommand : public testing::Test {
 };
 
 TEST_F(S16LineariseCommand, WritesTheMatricesOfAPendulumAtItsRest) {
-  // u0 = 4.5: theta = pi/6, A = [0 1; -9 cos(pi/6) -0.8] in the order omega, theta.
+  // u0 = 4.5: theta = pi/6, A = [0 1; -9 cos(pi/6) -0.8] in the order theta, omega.
   const Outcome o = place_.run("linearise pendulum.yaml --set u0=4.5 --trim --input u --output theta --out model.json");
   ASSERT_EQ(o.status, 0) << o.err;
   const std::string json = place_.read("model.json");
-  EXPECT_THAT(json, HasSubstr("\"states\": [\"omega\", \"theta\"]"));
+  EXPECT_THAT(json, HasSubstr("\"states\": [\"theta\", \"omega\"]"));
   const double k = 9 * std::cos(std::atan(1) * 4 / 6);
   const std::vector<double> A = numbers(json, "A"), B = numbers(json, "B"), C = numbers(json, "C"),
                             D = numbers(json, "D");
   ASSERT_EQ(A.size(), 4U);
-  EXPECT_NEAR(A[0], -0.8, 1e-12);
-  EXPECT_NEAR(A[1], -k, 1e-8);
-  EXPECT_NEAR(A[2], 1, 1e-12);
-  EXPECT_NEAR(A[3], 0, 1e-12);
-  EXPECT_EQ(B, (std::vector<double>{1, 0}));
-  EXPECT_EQ(C, (std::vector<double>{0, 1}));
+  EXPECT_NEAR(A[0], 0, 1e-12);
+  EXPECT_NEAR(A[1], 1, 1e-12);
+  EXPECT_NEAR(A[2], -k, 1e-8);
+  EXPECT_NEAR(A[3], -0.8, 1e-12);
+  EXPECT_EQ(B, (std::vector<double>{0, 1}));
+  EXPECT_EQ(C, (std::vector<double>{1, 0}));
   EXPECT_EQ(D, (std::vector<double>{0}));
   // The poles: -0.4 +- i sqrt(k - 0.16).
   const std::vector<double> poles = numbers(json, "poles");
