@@ -20,6 +20,10 @@ class MapKernel final : public Kernel {
   MapKernel(std::shared_ptr<const identify::Approximator> map, bool with_variance)
       : map_(std::move(map)), with_variance_(with_variance) {}
   std::string name() const override { return "learned map"; }
+  bool is_same(const Kernel& other) const override {
+    const auto* const map = dynamic_cast<const MapKernel*>(&other);
+    return map && map->map_ == map_ && map->with_variance_ == with_variance_;
+  }
   int outputs() const override { return (with_variance_ ? 2 : 1) * map_->outputs(); }
   int scratch_size() const override { return map_->scratch_size(); }
   void evaluate(const KernelCall& call) const override;

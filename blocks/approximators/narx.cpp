@@ -134,7 +134,8 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
     if (mode.is("one_step")) {
       next[past_y] = shifted(now[past_y], now[measured].spread(shape_of(count)));
     } else {
-      const auto kernel = std::make_shared<MapKernel>(loaded->map, false);
+      const auto kernel =
+          std::make_shared<MapKernel>(loaded->map, loaded->map->has_variance());  // the one of outputs()
       next[past_y] = shifted(now[past_y], array_of(now.kernel(kernel, regressors(now, *loaded)), 0, count));
     }
   }

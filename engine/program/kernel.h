@@ -51,6 +51,12 @@ class Kernel {
   virtual ~Kernel() = default;
   virtual std::string name() const = 0;
   virtual int outputs() const = 0;
+  // Whether another kernel gives the same outputs for the same inputs, so that one call serves both; false where it has
+  // a state or histories.
+  virtual bool is_same(const Kernel& other) const {
+    (void)other;
+    return false;
+  }
   virtual int state_size() const { return 0; }
   virtual int scratch_size() const { return 0; }
   virtual int histories() const { return 0; }

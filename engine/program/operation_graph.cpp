@@ -112,9 +112,22 @@ std::uint32_t OperationGraph::id_of(Value value) {
   return add(o).id();
 }
 
+// Whether both uses always give the same outputs.
+bool OperationGraph::is_same_kernel(const Operation& o, const KernelUse& use) const {
+  const KernelUse& other = kernels[o.a];
+  return o.activation == activation && o.mask == (rate != 0 ? rate_bit(rate) : continuous_bit) &&
+         other.initial == use.initial && other.inputs == use.inputs && other.advance_inputs.empty() &&
+         use.advance_inputs.empty() && use.kernel->is_same(*other.kernel);
+}
+
 Value OperationGraph::kernel(KernelUse use, std::uint64_t key) {
   const auto known = kernel_ids_.find(key);
   if (known != kernel_ids_.end()) return Value::node(known->second);
+  for (const auto& [other_key, id] : kernel_ids_) {
+    if (!is_same_kernel(operations[id], use)) continue;
+    kernel_ids_.emplace(key, id);
+    return Value::node(id);
+  }
   Operation o;
   o.op = Op::kernel;
   o.a = static_cast<std::uint32_t>(kernels.size());

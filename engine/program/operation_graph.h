@@ -117,6 +117,7 @@ class OperationGraph final : public OperationSink {
   std::uint32_t find(const Operation& operation) const;
   void grow_table();
   std::vector<std::uint32_t> table_;  // open addressing, load at most a half
+  bool is_same_kernel(const Operation& o, const KernelUse& use) const;
   std::unordered_map<std::uint64_t, std::uint32_t> kernel_ids_;
   std::unordered_map<std::uint32_t, std::uint32_t> mode_of_update_;
 };
