@@ -271,6 +271,7 @@ namespace {
 
 // The settings of the file with those of the request instead.
 SimulationOptions settings_of(const RunRequest& request, const SimulationDecl& decl, SimulationOptions options) {
+  if (decl.stop) options.span = options.stop - options.start;
   if (request.solver) options.solver = *request.solver;
   if (request.start) options.start = *request.start;
   if (request.stop) options.stop = *request.stop;

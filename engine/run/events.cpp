@@ -61,7 +61,7 @@ void Events::guards_at(double t, double* values) {
 
 bool Events::crossing_between(double before, double after) {
   if (any_muted_) wake();
-  const double parts = std::max(1.0, std::ceil((after - before) / run_.gap * (1 - 1e-9)));
+  const double parts = std::max(1.0, std::ceil((after - before) / run_.search_gap * (1 - 1e-9)));
   double from = before;
   for (double i = 1; i <= parts; ++i) {
     const double to = i < parts ? before + (after - before) * i / parts : after;
@@ -152,9 +152,9 @@ void Events::end_zeno(int guard, double at) {
   any_muted_ = true;
   sign_when_muted_[i] = roots_.signs()[i];
   if (options_.zeno == "ignore") {
-    quiet_until_[i] = at + run_.gap;
+    quiet_until_[i] = at + run_.search_gap;
     run_.statistics.warnings.push_back(
-        fmt::format("{}; it is not looked at for {:g} s (zeno: ignore)", what, run_.gap));
+        fmt::format("{}; it is not looked at for {:g} s (zeno: ignore)", what, run_.search_gap));
     return;
   }
   quiet_until_[i] = infinity;

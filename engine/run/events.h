@@ -28,8 +28,8 @@ class Events {
     retried_at_ = std::numeric_limits<double>::quiet_NaN();
   }
   // Handles the first event on (before, after], if there is one: true, and the run's time is that of the event. A long
-  // step is looked at in parts as short as the gaps between rows, so that a function that changes its sign twice is
-  // seen.
+  // step is looked at in parts as short as the gaps between rows of the whole run, so that a function that changes its
+  // sign twice is seen.
   bool crossing_between(double before, double after);
   // Runs the held operations of these bits, and takes modes by the present values until they stay.
   void settle(Mask bits);

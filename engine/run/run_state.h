@@ -22,6 +22,7 @@ struct RunState {
         program(*run_frame.program),
         options(run_options),
         gap((run_options.stop - run_options.start) / gaps),
+        search_gap(run_options.span > 0 ? run_options.span / gaps : gap),
         watch(run_frame, run_options) {}
 
   static constexpr int gaps = 500;  // rows are no further apart than (stop - start)/gaps
@@ -29,7 +30,8 @@ struct RunState {
   Frame& frame;
   const Program& program;
   const SimulationOptions& options;
-  double gap;  // s
+  double gap;         // s
+  double search_gap;  // s; the parts in which a step is searched for events
   RunWatch watch;
   double t = 0;  // s; everything until here has happened
   std::optional<Clockwork> clockwork;

@@ -17,6 +17,8 @@ namespace plantloop {
 
 struct SimulationOptions {
   double start = 0, stop = 1;  // s
+  double span = 0;  // s; stop - start as the file says, 0: as above. Events are searched by it, so that a run in pieces
+                    // finds the same
   std::string solver = "dopri5";
   double step = 0;  // s; > 0: fixed step
   double rtol = 1e-6, atol = 1e-9;
