@@ -169,7 +169,7 @@ TEST(Pfc, KeepsTheLimitsOfTheInputAndOfItsRateAndSaysSo) {
 TEST(Pfc, RemovesAnOffsetByItsCorrection) {
   const std::string loop = "blocks:\n  c: {type: pfc, model: tests/blocks/models/narx.yaml, in: {w: 1, y: y}";
   const std::string rest =
-      "}\n  y: {type: unit_delay, in: 0.7*y + 0.2*c.u + 0.1, rate: 0.1}\nsimulation: {stop: 60}\nrecord: [y]\n";
+      "}\n  y: {type: unit_delay, in: 0.7*y + 0.2*c.u + 0.15, rate: 0.1}\nsimulation: {stop: 60}\nrecord: [y]\n";
   EXPECT_NEAR(run(loop + rest).samples("y").back(), 1, 1e-9);
   EXPECT_GT(std::abs(run(loop + ", correction: false" + rest).samples("y").back() - 1), 0.01);
 }
