@@ -181,7 +181,7 @@ class PastSignal final : public Kernel {
 
   // Neville's scheme.
   static double polynomial(const double* time, const double* value, std::size_t n, double at) {
-    double p[most_nodes];
+    double p[most_nodes] = {};
     std::copy_n(value, n, p);
     for (std::size_t degree = 1; degree < n; ++degree) {
       for (std::size_t k = 0; k + degree < n; ++k) {

@@ -1,4 +1,4 @@
-// Thresholds are such that a run which is only lively says nothing.
+// What is noticed during a run. Thresholds are such that a run which is only lively says nothing.
 
 #include "engine/run/watch.h"
 
