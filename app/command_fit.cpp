@@ -67,25 +67,29 @@ bool read_parameters(const FitOptions& o, FitRequest& request) {
   return true;
 }
 
+// False after complaining.
+bool find_column(const FitOptions& o, const CsvTable& table, const std::string& name, std::size_t& column) {
+  const int found = table.find(name);
+  column = static_cast<std::size_t>(std::max(found, 0));
+  if (found >= 0) return true;
+  Report report;
+  report.error({}, "the data {} have no column '{}'", o.data, name).suggest(name, table.names);
+  print(report);
+  return false;
+}
+
 // Columns "theta" or, where the file calls it otherwise, "theta=angle"; false after complaining.
 bool choose_columns(const FitOptions& o, const CsvTable& table, FitRequest& request) {
-  const int named = table.find("time");
-  const auto time = static_cast<std::size_t>(std::max(named, 0));
+  std::size_t time = 0, column = 0;
+  if (!find_column(o, table, "time", time)) return false;
   std::vector<std::string> chosen = o.signals;
   for (std::size_t i = 0; chosen.empty() && i < table.names.size(); ++i) {
     if (i != time) request.data.columns.push_back({table.names[i], table.columns[i]});
   }
   for (const std::string& text : chosen) {
     const auto [signal, rest] = parts_of(text);
-    const std::string& name = rest.empty() ? signal : rest;
-    const int column = table.find(name);
-    if (column < 0) {
-      Report report;
-      report.error({}, "the data {} have no column '{}'", o.data, name).suggest(name, table.names);
-      print(report);
-      return false;
-    }
-    request.data.columns.push_back({signal, table.columns[static_cast<std::size_t>(column)]});
+    if (!find_column(o, table, rest.empty() ? signal : rest, column)) return false;
+    request.data.columns.push_back({signal, table.columns[column]});
   }
   request.data.time = table.columns[time];
   for (const std::string& text : o.weights) {

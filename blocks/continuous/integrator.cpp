@@ -13,8 +13,7 @@ struct Integrator final : Block {
   static constexpr auto summary = "Integrate the input over time.";
   static constexpr auto details =
       "x' = u,  y = x.  With lower or upper the state never leaves the limits: at a limit it stands still while the "
-      "input "
-      "pushes further out.";
+      "input pushes further out.";
   static constexpr auto icon = "1/s";
   static constexpr auto example = R"(
 blocks: {x: {type: integrator, in: cos(time), upper: 0.5}}

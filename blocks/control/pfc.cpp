@@ -22,19 +22,16 @@ struct Pfc final : Block {
   static constexpr auto details =
       "At each sample the inputs to come, u(k+j) = c1 + c2 j + ... with `basis` coefficients, are those with which the "
       "model's prediction meets the reference trajectory w - lambda^h (w - base) at the coincidence points h, in the "
-      "sense "
-      "of least squares; only u(k) is applied. The model is any identified one of one input and one output, its file "
-      "as "
-      "narx runs it. base is the measured output or, with start: reference, the reference's own state, which "
-      "approaches w "
-      "by lambda from sample to sample. With correction: true the model runs in parallel and the difference from the "
-      "plant is added to its prediction, so that no offset remains; without, each prediction starts from the measured "
-      "outputs. w is one number, or horizon + 1 of them where the set point is known in advance: now and at the coming "
-      "samples. Of several constant inputs that meet one point the least in magnitude is taken; where none does, the "
-      "one that comes nearest.  max_variance: the predicted variance of a measurement at the horizon, by a Gaussian "
-      "process, stays below it, with a constant input.  status: 0 the prediction meets the reference, 1 a limit of the "
-      "input keeps it from there, 2 the limit on the variance does, 3 no input keeps that limit, so that of the least "
-      "variance is taken.";
+      "sense of least squares; only u(k) is applied. The model is any identified one of one input and one output, its "
+      "file as narx runs it. base is the measured output or, with start: reference, the reference's own state, which "
+      "approaches w by lambda from sample to sample. With correction: true the model runs in parallel and the "
+      "difference from the plant is added to its prediction, so that no offset remains; without, each prediction "
+      "starts from the measured outputs. w is one number, or horizon + 1 of them where the set point is known in "
+      "advance: now and at the coming samples. Of several constant inputs that meet one point the least in magnitude "
+      "is taken; where none does, the one that comes nearest.  max_variance: the predicted variance of a measurement "
+      "at the horizon, by a Gaussian process, stays below it, with a constant input.  status: 0 the prediction meets "
+      "the reference, 1 a limit of the input keeps it from there, 2 the limit on the variance does, 3 no input keeps "
+      "that limit, so that of the least variance is taken.";
   static constexpr auto example = R"(
 blocks:
   w: {type: step, time: 1, before: 0, after: 1}
@@ -88,8 +85,7 @@ expect: [{signal: y, at: 10, value: 1, abs: 1e-3}]
                    "search",
                    {.of = {"automatic", "refine", "candidates"},
                     .doc = "whether the search goes on between the candidates; automatic: unless the model is a "
-                           "Gaussian process, whose "
-                           "predictions take long"}};
+                           "Gaussian process, whose predictions take long"}};
   Count candidates{this,
                    "candidates",
                    {.init = 301, .doc = "inputs between the limits that are tried first", .min = 3, .max = 100000}};

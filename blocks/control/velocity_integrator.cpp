@@ -11,9 +11,8 @@ struct VelocityIntegrator final : Block {
       "Integrate the speed of a control signal, with limits on the signal and on its speed.";
   static constexpr auto details =
       "u' = v between slowest and fastest.  With lower or upper u stands still at a limit while v points further out, "
-      "so nothing "
-      "winds up: the reason to compute the speed of a control signal instead of the signal (book section 6.1, figure "
-      "6.5).";
+      "so nothing winds up: the reason to compute the speed of a control signal instead of the signal (book section "
+      "6.1, figure 6.5).";
   static constexpr auto icon = "1/s";
   static constexpr auto example = R"(
 blocks: {u: {type: velocity_integrator, in: 10, fastest: 2, upper: 1}}

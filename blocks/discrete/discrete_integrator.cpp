@@ -10,8 +10,7 @@ struct DiscreteIntegrator final : Block {
   static constexpr auto summary = "Integrate the samples of the input.";
   static constexpr auto details =
       "With the period T and the state x:  forward (Euler): y = x, x+ = y + T u;  backward: y = x + T u, x+ = y;  "
-      "trapezoidal: y = "
-      "x + T u/2, x+ = y + T u/2.  With lower or upper both y and x stay within the limits.";
+      "trapezoidal: y = x + T u/2, x+ = y + T u/2.  With lower or upper both y and x stay within the limits.";
   static constexpr auto example = R"(
 blocks: {y: {type: discrete_integrator, in: 2, rate: 0.1}}
 simulation: {stop: 1}

@@ -17,19 +17,15 @@ struct StateMachine final : Block {
       "states: {name: {set: {output: value}}}. In each state every output has a value, an expression over the inputs, "
       "the parameters around and elapsed, the time in s since the state was entered.\n"
       "transitions: [{from: name, to: name, when: condition}]. One is taken as soon as the machine is in `from` and "
-      "the "
-      "condition holds: at the instant at which it begins to hold, which is located where it is continuous, at a "
-      "sample "
-      "where it is sampled (rate:, or inputs that are), also at the start and on entering a state. Where several hold, "
-      "the first one in the list is taken; several may follow each other in one instant.\n"
+      "the condition holds: at the instant at which it begins to hold, which is located where it is continuous, at a "
+      "sample where it is sampled (rate:, or inputs that are), also at the start and on entering a state. Where "
+      "several hold, the first one in the list is taken; several may follow each other in one instant.\n"
       "The inputs have names of their own, and conditions see nothing but them, parameters and elapsed. The main "
-      "output, "
-      "state, is the number of the state, from 1 in the order of the file. An event for expect: is the entering of a "
-      "state, {event: gear.second, count: 1}.";
+      "output, state, is the number of the state, from 1 in the order of the file. An event for expect: is the "
+      "entering of a state, {event: gear.second, count: 1}.";
   static constexpr auto written =
       "in: {u: a}, initial: low, states: {low: {set: {y: 0}}, high: {set: {y: 1}}}, transitions: [{from: low, to: "
-      "high, "
-      "when: u > 0.9}, {from: high, to: low, when: u < 0.5 and elapsed > 0.1}]";
+      "high, when: u > 0.9}, {from: high, to: low, when: u < 0.5 and elapsed > 0.1}]";
   static constexpr auto example = R"(
 title: A pump that rests for a second after each run
 blocks:

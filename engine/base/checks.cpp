@@ -65,8 +65,7 @@ std::string checks_markdown() {
   std::string text =
       "# Checks\n\nMade from the program by `plantloop check --list`. A diagram gives a check another severity under "
       "`checks:`, for example\n`checks: {units: note, saturated: off}`; with `--strict`, or `simulation: {strict: "
-      "true}`, "
-      "warnings are errors.\n\n| check | severity | what is found |\n| --- | --- | --- |\n";
+      "true}`, warnings are errors.\n\n| check | severity | what is found |\n| --- | --- | --- |\n";
   for (const CheckInfo& check : checks())
     text +=
         fmt::format("| `{}` | {}{} | {} |\n", check.id, name_of(check.level), check.fixed ? ", always" : "", check.doc);

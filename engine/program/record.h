@@ -171,6 +171,7 @@ class Recorder final : public OperationSink {
 
  private:
   Value leaf(Op op, std::uint32_t index);
+  Value copy(Op op, std::uint32_t index, RateIndex changes, RateIndex reads);
   SinkInCharge charge_;
   Recorder* previous_;
   std::vector<std::uint32_t> latches_;  // of discrete states, 0xffffffff: none yet

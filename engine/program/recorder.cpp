@@ -55,34 +55,32 @@ Value Recorder::parameter(std::string name, double value, std::string unit) {
 Value Recorder::time() { return leaf(Op::time, 0); }
 Value Recorder::state(std::uint32_t index) { return leaf(Op::state, index); }
 
+// What changes at the hits of one rate, as it is read at those of another.
+Value Recorder::copy(Op op, std::uint32_t index, RateIndex changes, RateIndex reads) {
+  const RateIndex before = std::exchange(rate, changes);
+  RecordedNode node;
+  node.op = Op::copy;
+  node.rate = reads;
+  node.a = leaf(op, index).id();
+  node.site = site;
+  record.nodes.push_back(node);
+  rate = before;
+  return Value::node(static_cast<std::uint32_t>(record.nodes.size() - 1));
+}
+
 Value Recorder::discrete(std::uint32_t index) {
   if (latches_.size() <= index) latches_.resize(index + 1, none);
   if (latches_[index] == none) {
     // The copy is what everybody reads: it changes at the hits of the state's rate, after the update it still shows
     // x[k].
-    const RateIndex before = std::exchange(rate, record.discretes[index].rate);
-    RecordedNode node;
-    node.op = Op::copy;
-    node.rate = rate;
-    node.a = leaf(Op::discrete, index).id();
-    node.site = site;
-    record.nodes.push_back(node);
-    latches_[index] = static_cast<std::uint32_t>(record.nodes.size() - 1);
-    rate = before;
+    const RateIndex own = record.discretes[index].rate;
+    latches_[index] = copy(Op::discrete, index, own, own).id();
   }
   return Value::node(latches_[index]);
 }
 
 Value Recorder::discrete_before(std::uint32_t index) {
-  const RateIndex own = std::exchange(rate, record.discretes[index].rate);
-  RecordedNode node;
-  node.op = Op::copy;
-  node.rate = own;
-  node.a = leaf(Op::discrete, index).id();
-  node.site = site;
-  record.nodes.push_back(node);
-  rate = own;
-  return Value::node(static_cast<std::uint32_t>(record.nodes.size() - 1));
+  return copy(Op::discrete, index, record.discretes[index].rate, rate);
 }
 
 Value Recorder::implicit(std::uint32_t index) {
@@ -91,17 +89,7 @@ Value Recorder::implicit(std::uint32_t index) {
   return unknown;
 }
 
-Value Recorder::hit(RateIndex of) {
-  const RateIndex before = std::exchange(rate, of);
-  RecordedNode node;
-  node.op = Op::copy;
-  node.rate = of;
-  node.a = leaf(Op::hit, of).id();
-  node.site = site;
-  record.nodes.push_back(node);
-  rate = before;
-  return Value::node(static_cast<std::uint32_t>(record.nodes.size() - 1));
-}
+Value Recorder::hit(RateIndex of) { return copy(Op::hit, of, of, of); }
 
 Value Recorder::segment(std::vector<Value> times) {
   RecordedSchedule schedule;

@@ -256,7 +256,8 @@ const FigureDecl& declared_figure(const RunObject& run, const std::string& name)
 
 int figure(lua_State* L) {
   const RunObject& run = self_of(L);
-  const FigureDecl& declared = declared_figure(run, text_argument(L, 2, "name"));
+  const std::string name = text_argument(L, 2, "name");
+  const FigureDecl& declared = declared_figure(run, name);
   auto made = std::make_shared<Figure>(make_figure(declared, run.run, run.diagram->model()));
   push_object(L, figure_kind, FigureObject{std::move(made), {}});
   return 1;

@@ -386,8 +386,7 @@ Entries study_functions() {
        "max_step?: number, output_interval?: number}",
        "table",
        "runs for every combination of the grid, each row of the list and each draw, the last one fastest, on threads; "
-       "a "
-       "list of tables with `set`, and `run` or `failure`"},
+       "a list of tables with `set`, and `run` or `failure`"},
       {"fit", guarded<fit_diagram>,
        "options: {diagram: pl.Diagram, parameters: table, bounds?: table<string, table>, data: table<string, "
        "pl.Vector>, weights?: table<string, number>, absolute?: boolean, confidence?: number, starts?: integer, seed?: "
@@ -395,8 +394,7 @@ Entries study_functions() {
        "number, solver?: string, rtol?: number, atol?: number, max_step?: number}",
        "table",
        "parameters fitted to data by least squares: values, deviations, intervals, covariance, correlation, fitted, "
-       "rms, "
-       "report, derivatives, converged, why"},
+       "rms, report, derivatives, converged, why"},
   };
 }
 

@@ -104,6 +104,8 @@ TEST(FitCommand, SaysWhatIsWrong) {
   EXPECT_THAT(said("data.csv --parameter k --signal x=y"), HasSubstr("the data data.csv have no column 'y'"));
   EXPECT_THAT(said("data.csv --parameter k --weight y=1"), HasSubstr("it must be signal=number"));
   EXPECT_THAT(said("text.csv --parameter k"), HasSubstr("text.csv:3:3: 'much' is no number"));
+  place.write("late.csv", "t,x\n1,2\n2,3\n");
+  EXPECT_THAT(said("late.csv --parameter k"), HasSubstr("the data late.csv have no column 'time'"));
   EXPECT_THAT(said("none.csv --parameter k"), HasSubstr("cannot read 'none.csv'"));
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include "render/diagram/draw.h"
 #include "render/scene/dump.h"
@@ -62,7 +63,7 @@ std::vector<std::string> path_names(const Sheet& sheet, const Arrangement& a) {
   return names;
 }
 
-const PlacedBlock& placed(const Sheet& sheet, const Arrangement& a, const std::string& path) {
+const PlacedBlock& placed(const Sheet& sheet, const Arrangement& a, std::string_view path) {
   return *std::find_if(a.blocks.begin(), a.blocks.end(), [&](const PlacedBlock& b) {
     return b.block >= 0 && sheet.blocks[static_cast<std::size_t>(b.block)].path == path;
   });

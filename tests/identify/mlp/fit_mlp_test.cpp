@@ -142,7 +142,7 @@ TEST(FitMlp, LeavesFixedWeightsAlone) {
   randomise(network, 1, random);
   const StaticTraining training(network, f.x, f.y / 48);
   TrainingOptions options;
-  options.fixed.assign(13, false);
+  options.fixed = std::vector<bool>(13);
   options.fixed[2] = options.fixed[7] = true;
   const VectorXd start = network.theta();
   for (const TrainingMethod method :
