@@ -49,8 +49,6 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-#ifdef PLANTLOOP_BENCH_ENGINE
-
 // True when both sides agree on the last value.
 bool compare(const Case& item, const std::string& path, int pairs) {
   std::vector<double> by_hand;
@@ -69,18 +67,6 @@ bool compare(const Case& item, const std::string& path, int pairs) {
              median(ratios), item.goal, agree ? "" : "  VALUES DIFFER");
   return agree;
 }
-
-#else
-
-bool compare(const Case& item, const std::string&, int pairs) {
-  std::vector<double> by_hand;
-  Measured hand;
-  for (int i = 0; i < pairs; ++i) by_hand.push_back((hand = item.handwritten()).seconds);
-  fmt::print("{:<18} {:9.4f} s, last value {:.12g}\n", item.name, median(by_hand), hand.value);
-  return true;
-}
-
-#endif
 
 int run(const std::string& folder) {
   const bool quick = std::getenv("PLANTLOOP_BENCH_QUICK") != nullptr;

@@ -573,6 +573,7 @@ void mirror(Arrangement& a) {
     f.origin.x = a.width - f.origin.x - f.inside.width;
     mirror(f.inside);
   }
+  std::reverse(a.main_path.begin(), a.main_path.end());
 }
 
 Arrangement Arranger::arrange_inside(const Element& e) const {

@@ -192,9 +192,17 @@ struct Parser {
     return true;
   }
 
+  // Whether the hyphen here is meant as a minus: between spaces, before a number or a symbol, or in "(k-1)". Others, as
+  // in "closed-loop" and "10-20", stay what they are.
   bool minus() const {
-    if (text[at] != U'-' || !(is_digit(next(1)) || next(1) == U'.' || next(1) == U'∞')) return false;
-    return at == 0 || text[at - 1] == U' ' || text[at - 1] == U'(' || text[at - 1] == U'=' || text[at - 1] == U'[';
+    if (text[at] != U'-') return false;
+    const char32_t before = at > 0 ? text[at - 1] : U' ';
+    const char32_t earlier = at > 1 ? text[at - 2] : U' ';
+    if (is_letter(before)) return (earlier == U'(' || earlier == U'[') && is_word(next(1));
+    if (before != U' ' && before != U'(' && before != U'=' && before != U'[') return false;
+    const bool symbol = is_letter(next(1)) && !is_word(next(2));
+    return is_digit(next(1)) || next(1) == U'.' || next(1) == U'∞' || next(1) == U'\\' || symbol ||
+           (at > 0 && next(1) == U' ');
   }
 
   std::vector<Piece> parse() {

@@ -1,12 +1,17 @@
 // The door to Lua: its headers, and how our functions read their arguments and report what is wrong with them.
 //
-// Debian's Lua for C++ raises errors as exceptions, so destructors run when an error passes a C++ function.
+// Debian's Lua for C++ raises errors as exceptions, so destructors run when an error passes a C++ function. Its
+// functions have the names of C in one release and those of C++ in the next; lua.h knows, lua.hpp would say C.
 
 #pragma once
 
+#include <lua.h>
+
+#include <lauxlib.h>
+#include <lualib.h>
+
 #include <cstdint>
 #include <initializer_list>
-#include <lua.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>

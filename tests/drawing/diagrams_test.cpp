@@ -117,6 +117,30 @@ TEST(Drawing, ALinearWireBecomesSumsAndGainsAndANonlinearTermOneBox) {
   EXPECT_EQ(spoken(block(sheet, "y+3").formula), "sin(x)");
 }
 
+// What leads back goes to the left, inside a frame, too.
+TEST(Drawing, TurnsTheInsideOfASubsystemThatLeadsBack) {
+  const auto graph = graph_of_text(
+      "types:\n  sensor:\n    inputs: [u]\n    blocks:\n      e: u - f\n      v: {type: integrator, in: 20*e}\n"
+      "      p: {type: integrator, in: 5*v}\n      f: 0.5*p + v\n      n: {type: first_order, in: p, tau: 0.1}\n"
+      "    outputs: [n]\n"
+      "blocks:\n  w: {type: step, time: 1}\n  e: w - m\n  u: {type: pi, in: e, kp: 2, ki: 1}\n"
+      "  y: {type: first_order, in: u, tau: 1}\n  m: {type: sensor, in: y}\nrecord: [y]\n");
+  const Sheet sheet = sheet_of(*graph, 0, {.depth = 1});
+  const Arrangement a = arrange(sheet);
+  EXPECT_THAT(faults(sheet, a), IsEmpty());
+  ASSERT_EQ(a.frames.size(), 1u);
+  const Arrangement& inside = a.frames[0].inside;
+  const Sheet& sensor = *block(sheet, "m").inside;
+  const auto left_of = [&](const std::string& path) {
+    for (const PlacedBlock& b : inside.blocks)
+      if (b.block >= 0 && sensor.blocks[static_cast<std::size_t>(b.block)].path == path) return b.box.left;
+    ADD_FAILURE() << path;
+    return 0.0;
+  };
+  EXPECT_GT(left_of("v"), left_of("p"));
+  EXPECT_GT(left_of("p"), left_of("n"));
+}
+
 TEST(Drawing, ShowsTransferFunctionsWithTheirNumbersAndNames) {
   const auto graph = graph_of_text(
       "parameters: {k: 5}\nblocks:\n  u: {type: step, time: 1}\n"

@@ -75,8 +75,13 @@ TEST(Label, LeavesUnderscoresOfLongNamesAlone) {
   EXPECT_EQ(set_label("a\\_b", style).runs.size(), 1u);
 }
 
-TEST(Label, TurnsAHyphenBeforeANumberIntoAMinus) {
-  EXPECT_EQ(said("(-2, -x)"), "(−2, -x)");
+TEST(Label, TurnsAHyphenThatIsAMinusIntoOne) {
+  EXPECT_EQ(said("(-2, -x)"), "(−2, −x)");
+  EXPECT_EQ(said("r - y"), "r − y");
+  EXPECT_EQ(said("y(k-1), u[k-d]"), "y(k−1), u[k−d]");
+  EXPECT_EQ(said("x = -\\frac{x}{\\tau}"), "x = −x/τ");
+  for (const char* left : {"closed-loop", "10-20 %", "PT-1", "(mass-spring)", "-shaped", "- "})
+    EXPECT_EQ(said(left), left);
   EXPECT_EQ(said("anti-windup 3-4"), "anti-windup 3-4");
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "render/plots/plot.h"
+#include "render/theme.h"
 #include "tests/scripts/workshop.h"
 
 namespace plantloop {
@@ -30,6 +32,7 @@ TEST(Examples, AnswerTheirQuestion) {
     std::ifstream file(script);
     std::getline(file, question);
     EXPECT_TRUE(question.starts_with("-- ") && question.ends_with("?")) << question;
+    fs::remove_all(place);  // what an earlier run drew
     fs::create_directories(place);
     fs::current_path(place);
     std::ostringstream output;
@@ -40,6 +43,9 @@ TEST(Examples, AnswerTheirQuestion) {
     EXPECT_EQ(run_script(script.string(), {}, options), script_done) << messages.str();
     EXPECT_EQ(messages.str(), "");
     EXPECT_NE(output.str(), "");
+    for (const Plot* plot : name == "gallery" ? plots() : std::vector<const Plot*>())
+      for (const std::string& theme : theme_names())
+        EXPECT_TRUE(fs::exists("out/gallery/" + theme + "/" + std::string(plot->name()) + ".svg")) << plot->name();
     fs::current_path(root);
   }
 }
