@@ -6,7 +6,7 @@
 
 namespace plantloop {
 
-UncertainKernel::UncertainKernel(std::shared_ptr<const identify::GpMap> map, identify::RegressorSet regressors,
+UncertainKernel::UncertainKernel(const std::shared_ptr<const identify::GpMap>& map, identify::RegressorSet regressors,
                                  identify::Propagation method, bool feed_noise)
     : run_(map, std::move(regressors), method, feed_noise), inputs_(map->inputs()) {}
 

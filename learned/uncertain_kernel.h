@@ -14,7 +14,7 @@ namespace plantloop {
 // variance. The state is that of identify::UncertainRun.
 class UncertainKernel final : public Kernel {
  public:
-  UncertainKernel(std::shared_ptr<const identify::GpMap> map, identify::RegressorSet regressors,
+  UncertainKernel(const std::shared_ptr<const identify::GpMap>& map, identify::RegressorSet regressors,
                   identify::Propagation method, bool feed_noise);
   std::string name() const override { return "Gaussian process in free run"; }
   int outputs() const override { return 2; }

@@ -15,8 +15,6 @@
 namespace plantloop {
 namespace {
 
-using identify::LoadedModel;
-
 struct Pfc final : Block {
   static constexpr auto summary = "Control by the prediction of a model: predictive functional control.";
   static constexpr auto details =

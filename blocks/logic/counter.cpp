@@ -47,7 +47,7 @@ expect: [{signal: periods, measure: final, value: 3}]
 
  private:
   Array next_count(Now now) const {
-    const Array more = now[count] + now[step];
+    Array more = now[count] + now[step];
     if (!now.given(upper)) return more;
     return where(more > now[upper], now[lower], where(more < now[lower], now[upper], more));
   }

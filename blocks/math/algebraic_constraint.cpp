@@ -32,7 +32,7 @@ expect: [{signal: flow, at: 0, value: sqrt(5) - 1, abs: 1e-12}]
   void outputs(Now now, Out out) const override {
     const Array equation = now[residual];
     const Implicit about{now[initial_guess], now[lower], now[upper]};
-    out[y] = implicit(equation.shape(), about, [&](const Array&) { return equation; });
+    out[y] = implicit(equation.shape(), about, [&](const Array&) { return Array(equation); });
   }
 };
 

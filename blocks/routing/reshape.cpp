@@ -52,7 +52,7 @@ expect: [{signal: M.2.1, at: 1, value: 4}, {signal: M.2.3, at: 1, value: 6}]
   Shape target(int size) const {
     const int r = rows.value(), c = columns.value();
     if (r == 0 && c == 0) return Shape::vector(size);
-    return Shape::matrix(r > 0 ? r : size / c, c > 0 ? c : size / r);
+    return Shape::matrix(r == 0 ? size / c : r, c == 0 ? size / r : c);
   }
   // Where element k in the order of counting stands.
   int place(int k, const Array& array) const {

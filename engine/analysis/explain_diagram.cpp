@@ -205,8 +205,8 @@ class Restarts {
     const Operation& o = graph_.operations[id];
     const std::string names = list(signals_in(id));
     if ((o.mask & event_bit) != 0) causes_[fmt::format("at edges {} changes", names)].insert(state);
-    for (RateIndex r = 1; r < e_.program->rates.size(); ++r) {
-      if ((o.mask & rate_bit(r)) == 0) continue;
+    for (std::size_t r = 1; r < e_.program->rates.size(); ++r) {
+      if ((o.mask & rate_bit(static_cast<RateIndex>(r))) == 0) continue;
       causes_[fmt::format("every {} s {} changes", e_.program->rates[r].period.to_double(), names)].insert(state);
     }
   }

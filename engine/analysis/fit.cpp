@@ -126,20 +126,20 @@ class Search {
     Point point;
     point.p = p;
     std::vector<std::size_t> rows;
+    std::vector<double> weights;
     for (std::size_t c = 0; c < request_.data.columns.size(); ++c) {
       const FitData::Column& column = request_.data.columns[c];
       for (std::size_t i = 0; i < times; ++i) {
         if (std::isnan(column.values[i])) continue;
         rows.push_back(c * times + i);
+        weights.push_back(column.weight);
         point.residuals.push_back(column.weight * (answer.y[rows.back()] - column.values[i]));
         point.cost += point.residuals.back() * point.residuals.back();
       }
     }
     point.slopes = DenseMatrix(rows.size(), n_);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double weight = request_.data.columns[rows[i] / times].weight;
-      for (std::size_t k = 0; k < n_; ++k) point.slopes(i, k) = weight * answer.slopes(rows[i], k);
-    }
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t k = 0; k < n_; ++k) point.slopes(i, k) = weights[i] * answer.slopes(rows[i], k);
     if (!std::isfinite(point.cost)) throw RunError("the fitted signals are not finite");
     return point;
   }

@@ -122,7 +122,7 @@ void LinearProgram::go_to(std::optional<double> time) {
   simulate(*frame, o, columns, recording);
 }
 
-DenseMatrix LinearProgram::evaluate(const Program::PartialList& partials, std::size_t rows) {
+DenseMatrix LinearProgram::evaluate(const Program::PartialList& partials, std::size_t rows) const {
   DenseMatrix m(rows, size().columns());
   if (partials.row.empty()) return m;
   KernelFrame kernels = frame->kernel_frame(false);

@@ -43,7 +43,7 @@ struct LinearProgram {
   // Runs from the initial values until a time, or takes the initial values.
   void go_to(std::optional<double> time);
   // The entries of a list at the frame's values.
-  DenseMatrix evaluate(const Program::PartialList& list, std::size_t rows);
+  DenseMatrix evaluate(const Program::PartialList& list, std::size_t rows) const;
   double output(std::size_t index);  // its value, once evaluate_outputs() has run
   void evaluate_outputs();
 };

@@ -52,7 +52,7 @@ void reduce_rows(System& s, double scale) {
     if (sigma == s.c.rows()) return;
     const Eigen::Index rest = s.c.rows() - sigma;
     if (s.d.cols() > 0) {
-      const Eigen::MatrixXd u = of_d.matrixU();
+      const auto& u = of_d.matrixU();
       s.c = u.transpose() * s.c;
       s.d = u.transpose() * s.d;
     }

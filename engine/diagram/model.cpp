@@ -52,7 +52,7 @@ void check_library(const Node& root, Model& model, Report& report) {
   const bool has_blocks = root.find("blocks") != nullptr;
   model.is_library = !has_blocks && !model.has_simulation && root.find("types") != nullptr;
   const bool misspelt = std::any_of(root.keys.begin(), root.keys.end(), [](const std::string& key) {
-    return nearest(key, {"blocks", "types"}) != "";
+    return !nearest(key, {"blocks", "types"}).empty();
   });
   if (has_blocks || model.is_library || misspelt) return;
   report.error(root.key_marks.empty() ? root.mark : root.key_marks.front(), "this diagram has no blocks")

@@ -146,7 +146,7 @@ std::string plain_text(const Node& node, std::string_view what, Report& report) 
   std::string_view rest = here.substr(node.text.size());
   rest = rest.substr(0, rest.find('\n'));
   const std::size_t hash = rest.find_first_not_of(' ');
-  const bool cut = hash != std::string_view::npos && hash == 1 && rest[hash] == '#' && hash + 1 < rest.size() &&
+  const bool cut = hash == 1 && rest[hash] == '#' && hash + 1 < rest.size() &&
                    (is_letter(rest[hash + 1]) || is_digit(rest[hash + 1]));
   if (cut) {
     report.warning(node.mark, "{} ends here, because ' #' begins a comment", what)

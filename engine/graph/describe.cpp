@@ -49,7 +49,7 @@ std::string size_text(const Size& size) {
   return {};
 }
 
-std::string joined(std::string a, const std::string& b) { return b.empty() ? a : a.empty() ? b : a + ", " + b; }
+std::string joined(const std::string& a, const std::string& b) { return b.empty() ? a : a.empty() ? b : a + ", " + b; }
 
 std::vector<Row> inputs_of(const Block& block) {
   std::vector<Row> rows;
@@ -158,7 +158,7 @@ std::string shortest_use(const BlockType& type) {
   return text + "}";
 }
 
-std::string cell(std::string text) {
+std::string cell(std::string_view text) {
   std::string out;
   for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
   return out;

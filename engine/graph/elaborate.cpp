@@ -13,9 +13,9 @@
 
 namespace plantloop {
 
-Elaboration::Elaboration(std::shared_ptr<const Model> model_, Findings& findings_)
-    : graph(std::make_shared<Graph>()), g(*graph), model(*model_), findings(findings_) {
-  graph->model = std::move(model_);
+Elaboration::Elaboration(std::shared_ptr<const Model> of, Findings& into)
+    : graph(std::make_shared<Graph>()), g(*graph), model(*of), findings(into) {
+  graph->model = std::move(of);
   g.rates.resize(1);
 }
 
@@ -233,9 +233,9 @@ void report_unused_child(Elaboration& e, const OverrideNode& node, const std::st
       const std::uint32_t copy = repeat.first_copy + static_cast<std::uint32_t>(number) - 1;
       report_unused_child(e, *below, name, s, e.g.copies[copy]);
     } else if (is_digit(part[0])) {
-      for_unused(*below, [&](const OverrideNode& n) {
+      for_unused(*below, [&, wanted = part](const OverrideNode& n) {
         const Mark mark{n.source.get(), 1, 1, static_cast<std::uint32_t>(n.given->path.size())};
-        e.findings.error(mark, "there is no copy '{}.{}': '{}' is repeated {} times", name, part, name, repeat.count)
+        e.findings.error(mark, "there is no copy '{}.{}': '{}' is repeated {} times", name, wanted, name, repeat.count)
             .named("set");
       });
     } else {

@@ -64,7 +64,7 @@ enum class Context : std::uint8_t {
 };
 
 struct Elaboration {
-  Elaboration(std::shared_ptr<const Model> model_, Findings& findings_);
+  Elaboration(std::shared_ptr<const Model> of, Findings& into);
 
   std::shared_ptr<Graph> graph;
   Graph& g;

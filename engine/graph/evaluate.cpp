@@ -10,7 +10,7 @@
 namespace plantloop {
 namespace {
 
-Array one_if_single(Array a) { return a.size() == 1 && !a.is_scalar() ? a.spread(Shape::scalar()) : a; }
+Array one_if_single(const Array& a) { return a.size() == 1 && !a.is_scalar() ? a.spread(Shape::scalar()) : a; }
 
 // A matrix of one column takes a scalar as its column; a product with one row and one column is a scalar.
 Array matrix_product(const Array& a, const Array& b) {

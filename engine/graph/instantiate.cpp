@@ -944,7 +944,7 @@ class Instantiation {
 
   void check_type(const TypeDecl& type) {
     if (!checked_.insert(&type).second) return;
-    if (type.file && !type.machine && type.name.size() && (find_block(type.name) || type.name == "bus")) {
+    if (type.file && !type.machine && !type.name.empty() && (find_block(type.name) || type.name == "bus")) {
       e_.findings.error(type.mark, "'{}' is the name of a built-in block type", type.name).named("built-in-type");
     }
   }

@@ -47,8 +47,7 @@ class RateFinding {
   // ---- what is stated
 
   void read_stated_rates() {
-    for (std::uint32_t s = 0; s < g_.scopes.size(); ++s) {
-      GraphScope& scope = g_.scopes[s];
+    for (GraphScope& scope : g_.scopes) {
       if (scope.parent == nowhere) continue;
       const std::uint16_t around = g_.scopes[scope.parent].rate;
       const bool own = scope.declaration->trigger || scope.declaration->period;

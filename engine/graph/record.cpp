@@ -564,7 +564,7 @@ class GraphRecording {
   Array held_outside(std::uint32_t index, std::uint32_t a) {
     const GraphActivation& activation = g_.activations[a];
     const GraphNet& net = g_.nets[index];
-    const Array value = value_of_net(index);
+    Array value = value_of_net(index);
     // A trigger or a condition above decides whether there was an activation.
     std::uint32_t trigger = a;
     while (trigger != 0 && g_.activations[trigger].rate == 0) trigger = g_.activations[trigger].parent;

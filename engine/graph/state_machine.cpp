@@ -196,9 +196,10 @@ class MachineReader {
   std::vector<std::pair<std::string, Mark>> outputs() const {
     std::vector<std::pair<std::string, Mark>> found;
     for (const StateMachineDecl::State& state : machine_.states) {
-      for (const auto& [name, value] : state.set) {
-        const bool known = std::any_of(found.begin(), found.end(), [&](const auto& f) { return f.first == name; });
-        if (!known) found.emplace_back(name, value->mark);
+      for (const auto& entry : state.set) {
+        const bool known =
+            std::any_of(found.begin(), found.end(), [&](const auto& f) { return f.first == entry.first; });
+        if (!known) found.emplace_back(entry.first, entry.second->mark);
       }
     }
     return found;

@@ -117,7 +117,7 @@ class Tangents {
     if (is_leaf(o.op)) return 0;
     const std::uint32_t operands[3] = {o.a, o.b, o.c};
     Value total = 0;
-    for (int j = 0; j < arity_of(o.op); ++j) {
+    for (int j = 0; j < std::min(arity_of(o.op), 3); ++j) {
       const Value t = of(operands[j], k);
       if (!t.is(0)) total = total + partial_of(graph_, o, Value::node(id), j) * t;
     }

@@ -116,7 +116,7 @@ class Runner {
     rows_.begin();
     prepare();
     give_initial_values();
-    for (std::size_t m = 0; m < program_.modes.size(); ++m) frame_.arena[program_.modes[m]] = 0;
+    for (const auto mode : program_.modes) frame_.arena[mode] = 0;
     if (from != nullptr) restore_by_path(*from, frame_);
     Mask bits = run_.clockwork->advance(run_.t);
     events_.settle(every_bit);

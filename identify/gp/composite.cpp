@@ -172,7 +172,7 @@ class Product final : public Composite {
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
     std::vector<Vector> values;
     each(theta, inputs(z), [&](std::size_t i, const Vector& own, auto) {
-      values.push_back(parts_[i]->between(own, z, x.transpose()).col(0));
+      values.emplace_back(parts_[i]->between(own, z, x.transpose()).col(0));
     });
     Matrix total = Matrix::Zero(z.rows(), z.cols());
     each(theta, inputs(z), [&](std::size_t i, const Vector& own, auto) {

@@ -16,7 +16,7 @@ Item channel_item(const Channel& c) {
 }
 
 VectorXd monic_of(const Item& item, std::string_view key) {
-  const VectorXd P = item.vector(key);
+  VectorXd P = item.vector(key);
   if (P.size() == 0 || P[0] != 1 || !P.allFinite()) {
     item.at(key).wrong(fmt::format("'{}' must be finite numbers of which the first is 1", key));
   }

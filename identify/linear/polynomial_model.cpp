@@ -62,7 +62,7 @@ PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data,
   m.A = monic(orders.na);
   m.C = monic(orders.nc);
   m.D = monic(orders.nd);
-  for (const int nb : orders.nb) m.B.push_back(VectorXd::Zero(nb));
+  for (const int nb : orders.nb) m.B.emplace_back(VectorXd::Zero(nb));
   for (const int nf : orders.nf) m.F.push_back(monic(nf));
   m.delay = orders.delay;
   m.u0 = VectorXd::Zero(static_cast<Index>(data.inputs.size()));

@@ -25,10 +25,10 @@ RecursiveLeastSquares::RecursiveLeastSquares(Index parameters, const RecursiveOp
 double RecursiveLeastSquares::update(const Eigen::VectorXd& psi, double y) {
   const double error = y - psi.dot(theta_);
   if (!std::isfinite(error)) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::VectorXd Ppsi = P_ * psi;
-  const Eigen::VectorXd K = Ppsi / (options_.forgetting + psi.dot(Ppsi));
+  const Eigen::VectorXd P_psi = P_ * psi;
+  const Eigen::VectorXd K = P_psi / (options_.forgetting + psi.dot(P_psi));
   theta_ += K * error;
-  P_ = (P_ - K * Ppsi.transpose()) / options_.forgetting;
+  P_ = (P_ - K * P_psi.transpose()) / options_.forgetting;
   P_ = (0.5 * (P_ + P_.transpose())).eval();  // rounding must not make it unsymmetric
   return error;
 }

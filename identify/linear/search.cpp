@@ -35,7 +35,7 @@ VectorXd errors_of(const PolynomialModel& m, const Experiment& e, std::size_t ou
     w.push_back(filter(m.numerator(i), m.F[i], e.u.col(static_cast<Index>(i))));
     s -= w[i];
   }
-  const VectorXd v = filter(m.D, m.C, s);
+  VectorXd v = filter(m.D, m.C, s);
   if (J == nullptr) return v;
   Index column = 0;
   put_delays(*J, row, column, filter(m.D, m.C, y), m.A.size() - 1, 1);

@@ -90,8 +90,8 @@ FrequencyResponse frequency_response(const StateSpaceModel& m, const VectorXd& w
   FrequencyResponse r{w, VectorXcd(w.size()), {}, {}};
   for (Index k = 0; k < w.size(); ++k) {
     const Complex z = std::polar(1.0, w[k] * m.Ts);
-    const Eigen::MatrixXcd zIA = z * Eigen::MatrixXcd::Identity(m.order(), m.order()) - m.A.cast<Complex>();
-    const VectorXcd x = zIA.partialPivLu().solve(m.B.col(i).cast<Complex>());
+    const Eigen::MatrixXcd pencil = z * Eigen::MatrixXcd::Identity(m.order(), m.order()) - m.A.cast<Complex>();
+    const VectorXcd x = pencil.partialPivLu().solve(m.B.col(i).cast<Complex>());
     r.G[k] = (m.C.row(o).cast<Complex>() * x)(0) + m.D(o, i);
   }
   return r;
