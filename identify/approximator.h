@@ -26,6 +26,8 @@ class Approximator {
   virtual void evaluate(const double* x, double* y, double* scratch) const = 0;
   // dy_i/dx_j, row by row (outputs x inputs).
   virtual void derivative(const double* x, double* jacobian, double* scratch) const = 0;
+  // Whether the outputs are affine in x, so that the derivative is the same everywhere.
+  virtual bool is_affine() const { return false; }
   // How certain each output is: the variance of the function, without the noise of a measurement; 0 where the map does
   // not know. Then its derivative, as above.
   virtual bool has_variance() const { return false; }

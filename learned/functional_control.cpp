@@ -12,26 +12,17 @@
 #include <utility>
 
 #include "identify/error.h"
+#include "learned/narx_predictor.h"
+#include "learned/reference_trajectory.h"
 
 namespace plantloop {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using identify::Factor;
 using identify::GpMap;
 using identify::LoadedModel;
 
 namespace {
-
-int longest(const LoadedModel& model, bool of_outputs) {
-  int lag = 1;
-  for (const identify::Regressor& regressor : model.narx.regressors.list) {
-    for (const Factor& factor : regressor.factors) {
-      if (factor.of_output == of_outputs) lag = std::max(lag, factor.lag);
-    }
-  }
-  return lag;
-}
 
 double power(double value, int exponent) {
   double result = 1;
@@ -42,22 +33,12 @@ double power(double value, int exponent) {
 }  // namespace
 
 std::string FunctionalControlKernel::why_not(const LoadedModel& model, const FunctionalControl& how) {
-  if (!model.dynamic)
-    return fmt::format("the model has no regressors, so it is no dynamic model but a map '{}'", model.map->type());
+  if (!model.dynamic) return why_no_predictor(model);
   const identify::RegressorSet& set = model.narx.regressors;
   if (set.inputs.size() != 1 || set.outputs.size() != 1)
     return fmt::format("the model has {} inputs and {} outputs; the controller is for one of each", set.inputs.size(),
                        set.outputs.size());
-  bool reads_input = false;
-  for (const identify::Regressor& regressor : set.list) {
-    for (const Factor& factor : regressor.factors) {
-      if (factor.lag == 0)
-        return fmt::format("the regressor '{}' feeds the input through at once, so there is nothing to predict",
-                           to_text(regressor, set));
-      reads_input = reads_input || !factor.of_output;
-    }
-  }
-  if (!reads_input) return "the model does not depend on its input";
+  if (std::string why = why_no_predictor(model); !why.empty()) return why;
   const bool certain = how.propagation == identify::Propagation::naive;
   if (!model.map->has_variance()) {
     if (how.limits_variance)
@@ -74,10 +55,7 @@ std::string FunctionalControlKernel::why_not(const LoadedModel& model, const Fun
 }
 
 FunctionalControlKernel::FunctionalControlKernel(std::shared_ptr<const LoadedModel> model, FunctionalControl how)
-    : model_(std::move(model)),
-      how_(std::move(how)),
-      past_inputs_(longest(*model_, false)),
-      past_outputs_(longest(*model_, true)) {
+    : model_(std::move(model)), how_(std::move(how)), rows_(model_->narx.regressors) {
   if (const auto gp = std::dynamic_pointer_cast<const GpMap>(model_->map)) {
     noise_variance_ = gp->noise_variance(0);
     if (how_.propagation != identify::Propagation::naive)
@@ -102,29 +80,30 @@ class FunctionalControlKernel::Move {
     variance_limit_ = how().limits_variance ? *in : std::numeric_limits<double>::infinity();
     take(1);
     const double lambda = *take(1), r = *take(1);
-    const double* const past_u = take(k_.past_inputs_);
-    const double* const past_y = take(k_.past_outputs_);
-    const double* const model_y = take(k_.past_outputs_);
+    const double* const past_u = take(k_.past_inputs());
+    const double* const past_y = take(k_.past_outputs());
+    const double* const model_y = take(k_.past_outputs());
 
-    least_ = std::min(std::max(lower_, past_u[0] - change), upper_);
-    most_ = std::max(std::min(upper_, past_u[0] + change), lower_);
+    const Span next = reachable(past_u[0], change, lower_, upper_);
+    least_ = next.least;
+    most_ = next.most;
     correction_ = how().correction ? y - model_y[0] : 0;
     const double base = how().from_reference ? r : y;
     for (const int h : how().coincidence) {
       const double to = how().set_points == 1 ? w[0] : w[h];
-      target_.push_back(to - std::pow(lambda, h) * (w[0] - base) - correction_);
+      target_.push_back(reference_at(h, to, w[0], lambda, base) - correction_);
     }
-    next_reference_ = w[0] - lambda * (w[0] - r);
+    next_reference_ = next_reference(w[0], lambda, r);
 
     // Oldest first, so that time runs along the arrays.
     const int horizon = how().coincidence.back();
-    inputs_.resize(static_cast<std::size_t>(k_.past_inputs_ + horizon));
-    outputs_.resize(static_cast<std::size_t>(k_.past_outputs_ + horizon));
-    own_outputs_.resize(static_cast<std::size_t>(k_.past_outputs_));
-    for (int i = 0; i < k_.past_inputs_; ++i) inputs_[at(k_.past_inputs_ - 1 - i)] = past_u[i];
-    for (int i = 0; i < k_.past_outputs_; ++i) {
-      own_outputs_[at(k_.past_outputs_ - 1 - i)] = model_y[i];
-      outputs_[at(k_.past_outputs_ - 1 - i)] = how().correction ? model_y[i] : i == 0 ? y : past_y[i - 1];
+    inputs_.resize(static_cast<std::size_t>(k_.past_inputs() + horizon));
+    outputs_.resize(static_cast<std::size_t>(k_.past_outputs() + horizon));
+    own_outputs_.resize(static_cast<std::size_t>(k_.past_outputs()));
+    for (int i = 0; i < k_.past_inputs(); ++i) inputs_[at(k_.past_inputs() - 1 - i)] = past_u[i];
+    for (int i = 0; i < k_.past_outputs(); ++i) {
+      own_outputs_[at(k_.past_outputs() - 1 - i)] = model_y[i];
+      outputs_[at(k_.past_outputs() - 1 - i)] = how().correction ? model_y[i] : i == 0 ? y : past_y[i - 1];
     }
     x_.resize(kernel.model_->narx.regressors.list.size());
     slope_.resize(x_.size());
@@ -158,20 +137,12 @@ class FunctionalControlKernel::Move {
   const FunctionalControl& how() const { return k_.how_; }
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  double factor_value(const Factor& factor, const std::vector<double>& outputs, int step) const {
-    return factor.of_output ? outputs[at(k_.past_outputs_ + step - factor.lag)]
-                            : inputs_[at(k_.past_inputs_ + 1 + step - factor.lag)];
-  }
   // The regressors of y(k + step + 1).
   void row(const std::vector<double>& outputs, int step) {
-    const auto& list = k_.model_->narx.regressors.list;
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      x_[i] = 1;
-      for (const Factor& factor : list[i].factors) x_[i] *= power(factor_value(factor, outputs, step), factor.power);
-    }
+    k_.rows_.row(&inputs_[at(k_.past_inputs() + step)], &outputs[at(k_.past_outputs() - 1 + step)], x_.data());
   }
   double next_of_model(double u) {
-    inputs_[at(k_.past_inputs_)] = u;
+    inputs_[at(k_.past_inputs())] = u;
     row(own_outputs_, 0);
     double y = 0;
     map_.evaluate(x_.data(), &y, scratch_);
@@ -184,7 +155,7 @@ class FunctionalControlKernel::Move {
   }
   void set_inputs(const VectorXd& c) {
     for (int j = 0; j < how().coincidence.back(); ++j)
-      inputs_[at(k_.past_inputs_ + j)] = std::clamp(input_of(c, j), lower_, upper_);
+      inputs_[at(k_.past_inputs() + j)] = std::clamp(input_of(c, j), lower_, upper_);
   }
   bool is_inside(const VectorXd& c) const {
     for (int j = 0; j < how().coincidence.back(); ++j) {
@@ -204,7 +175,7 @@ class FunctionalControlKernel::Move {
     }
     for (int j = 0; j < horizon; ++j) {
       row(outputs_, j);
-      map_.evaluate(x_.data(), &outputs_[at(k_.past_outputs_ + j)], scratch_);
+      map_.evaluate(x_.data(), &outputs_[at(k_.past_outputs() + j)], scratch_);
     }
   }
   // The same, and the variance of a measurement at the last point.
@@ -222,12 +193,12 @@ class FunctionalControlKernel::Move {
   double predict_uncertain(int horizon) {
     const identify::UncertainRun& run = *k_.uncertain_;
     std::vector<double> state(at(run.state_size()), 0.0), next(state.size());
-    for (int i = 0; i < run.depth(); ++i) state[at(i)] = outputs_[at(k_.past_outputs_ - 1 - i)];
+    for (int i = 0; i < run.depth(); ++i) state[at(i)] = outputs_[at(k_.past_outputs() - 1 - i)];
     double variance = 0;
     for (int j = 0; j < horizon; ++j) {
       row(outputs_, j);
       const identify::UncertainRun::Step step = run.predict(x_.data(), state.data());
-      outputs_[at(k_.past_outputs_ + j)] = step.mean;
+      outputs_[at(k_.past_outputs() + j)] = step.mean;
       variance = step.variance;
       run.advance(step, state.data(), next.data());
       state.swap(next);
@@ -235,7 +206,7 @@ class FunctionalControlKernel::Move {
     return variance + k_.noise_variance_;
   }
   double residual(std::size_t point) const {
-    return outputs_[at(k_.past_outputs_ - 1 + how().coincidence[point])] - target_[point];
+    return outputs_[at(k_.past_outputs() - 1 + how().coincidence[point])] - target_[point];
   }
   double cost() const {
     double sum = 0;
@@ -292,34 +263,27 @@ class FunctionalControlKernel::Move {
 
   // Residuals by the coefficients, along the prediction that was made last (first order, exact).
   MatrixXd jacobian(const VectorXd& c) {
-    const auto& list = k_.model_->narx.regressors.list;
-    const int horizon = how().coincidence.back();
-    MatrixXd by_outputs = MatrixXd::Zero(k_.past_outputs_ + horizon, c.size());
-    MatrixXd by_inputs = MatrixXd::Zero(k_.past_inputs_ + horizon, c.size());
+    const int horizon = how().coincidence.back(), count = static_cast<int>(c.size());
+    const auto zeros = [count](int rows) { return std::vector<double>(at(rows * count), 0.0); };
+    std::vector<double> by_outputs = zeros(k_.past_outputs() + horizon), by_inputs = zeros(k_.past_inputs() + horizon);
     for (int j = 0; j < horizon; ++j) {
       const double u = input_of(c, j);
       if (u < lower_ || u > upper_) continue;
-      for (Eigen::Index b = 0; b < c.size(); ++b) by_inputs(k_.past_inputs_ + j, b) = power(j, static_cast<int>(b));
+      for (int b = 0; b < count; ++b) by_inputs[at((k_.past_inputs() + j) * count + b)] = power(j, b);
     }
     for (int j = 0; j < horizon; ++j) {
       row(outputs_, j);
       map_.derivative(x_.data(), slope_.data(), scratch_);
-      for (std::size_t r = 0; r < list.size(); ++r) {
-        for (const Factor& one : list[r].factors) {
-          const double value = factor_value(one, outputs_, j);
-          double rest = slope_[r] * one.power * power(value, one.power - 1);
-          for (const Factor& other : list[r].factors) {
-            if (&other != &one) rest *= power(factor_value(other, outputs_, j), other.power);
-          }
-          by_outputs.row(k_.past_outputs_ + j) +=
-              rest * (one.of_output ? by_outputs.row(k_.past_outputs_ + j - one.lag)
-                                    : by_inputs.row(k_.past_inputs_ + 1 + j - one.lag));
-        }
-      }
+      const int u = k_.past_inputs() + j, y = k_.past_outputs() - 1 + j;
+      for (int r = 0; r < k_.rows_.size(); ++r)
+        k_.rows_.add_slope(r, slope_[at(r)], &inputs_[at(u)], &outputs_[at(y)], &by_inputs[at(u * count)],
+                           &by_outputs[at(y * count)], count, &by_outputs[at((y + 1) * count)]);
     }
     MatrixXd J(static_cast<Eigen::Index>(target_.size()), c.size());
-    for (std::size_t i = 0; i < target_.size(); ++i)
-      J.row(static_cast<Eigen::Index>(i)) = by_outputs.row(k_.past_outputs_ - 1 + how().coincidence[i]);
+    for (std::size_t i = 0; i < target_.size(); ++i) {
+      const int row = k_.past_outputs() - 1 + how().coincidence[i];
+      for (int b = 0; b < count; ++b) J(static_cast<Eigen::Index>(i), b) = by_outputs[at(row * count + b)];
+    }
     return J;
   }
 
@@ -403,6 +367,11 @@ class FunctionalControlKernel::Move {
   std::vector<double> target_;
   std::vector<double> inputs_, outputs_, own_outputs_, x_, slope_;
 };
+
+std::vector<std::string> FunctionalControlKernel::status_words() const {
+  return {"the reference met", "the input at a limit", "the predicted variance at its limit",
+          "no input that keeps the limit on the variance"};
+}
 
 void FunctionalControlKernel::evaluate(const KernelCall& call) const { Move(*this, call).solve(call.out); }
 

@@ -19,8 +19,10 @@
 #include <vector>
 
 #include "engine/program/kernel.h"
+#include "engine/program/status_kernel.h"
 #include "identify/gp/gp_map.h"
 #include "identify/narx/load.h"
+#include "learned/narx_rows.h"
 
 namespace plantloop {
 
@@ -37,7 +39,7 @@ struct FunctionalControl {
   friend bool operator==(const FunctionalControl&, const FunctionalControl&) = default;
 };
 
-class FunctionalControlKernel final : public Kernel {
+class FunctionalControlKernel final : public Kernel, public StatusKernel {
  public:
   // Why the model cannot be used so; "": it can.
   static std::string why_not(const identify::LoadedModel& model, const FunctionalControl& how);
@@ -46,8 +48,8 @@ class FunctionalControlKernel final : public Kernel {
   // Inputs, in this order: w (set_points of them), y, lower, upper, greatest change of u from the sample before,
   // greatest variance, lambda, r, the inputs u(k-1), u(k-2) ... (past_inputs()), the measured y(k-1), ..., and the
   // model's ym(k), ym(k-1), ... (past_outputs() of each).
-  int past_inputs() const { return past_inputs_; }
-  int past_outputs() const { return past_outputs_; }
+  int past_inputs() const { return rows_.past_inputs(); }
+  int past_outputs() const { return rows_.past_outputs(); }
   // Outputs: u(k); the predicted standard deviation of a measurement at the horizon, 0 where the model does not know;
   // the status; ym(k+1); r(k+1).
   enum Result { input, deviation, status, model_output, reference, results };
@@ -57,6 +59,8 @@ class FunctionalControlKernel final : public Kernel {
 
   std::string name() const override { return "predictive functional control"; }
   int outputs() const override { return results; }
+  int status_output() const override { return status; }
+  std::vector<std::string> status_words() const override;
   bool is_same(const Kernel& other) const override {
     const auto* const control = dynamic_cast<const FunctionalControlKernel*>(&other);
     return control && control->model_ == model_ && control->how_ == how_;
@@ -70,7 +74,7 @@ class FunctionalControlKernel final : public Kernel {
   std::optional<identify::UncertainRun> uncertain_;
   double noise_variance_ = 0;
   FunctionalControl how_;
-  int past_inputs_ = 1, past_outputs_ = 1;
+  NarxRows rows_;
 };
 
 }  // namespace plantloop

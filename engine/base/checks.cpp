@@ -13,6 +13,8 @@ const std::vector<CheckInfo>& checks() {
        "an error in any case"},
       {"chatter", Level::warning, "a function whose events follow each other a hundred times in hardly any time"},
       {"columns", Level::note, "without record: more than 200 columns would be recorded"},
+      {"control-status", Level::note,
+       "a predictive controller that did not find its optimum, or could not reach its reference, at some samples"},
       {"mixed-rates", Level::error, "a block without rate reads signals of rates that do not fit together", true},
       {"never-enabled", Level::warning, "a conditional block or subsystem that was not active once in the run"},
       {"not-a-number", Level::error,

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "engine/program/resolve.h"
+#include "engine/program/status_kernel.h"
 
 namespace plantloop {
 
@@ -34,7 +36,43 @@ RunWatch::RunWatch(const Frame& frame, const SimulationOptions& options)
       streak_start_(program_.guards.size()),
       streak_(program_.guards.size()),
       chatters_(program_.guards.size()),
-      active_(program_.jumps.size()) {}
+      active_(program_.jumps.size()) {
+  for (const KernelStep& step : program_.held_list.kernels) {
+    const auto* const kernel = dynamic_cast<const StatusKernel*>(program_.kernels[step.kernel].kernel.get());
+    if (kernel == nullptr) continue;
+    std::vector<std::string> words = kernel->status_words();
+    std::vector<std::int64_t> counts(words.size());
+    statuses_.push_back(
+        {step.kernel, step.out + static_cast<SlotIndex>(kernel->status_output()), std::move(words), std::move(counts)});
+  }
+}
+
+void RunWatch::hit(Mask bits) {
+  for (Status& status : statuses_) {
+    const Program::KernelState& kernel = program_.kernels[status.kernel];
+    if ((kernel.mask & bits) == 0 || (kernel.gate != no_gate && frame_.arena[kernel.gate] == 0)) continue;
+    const auto said = static_cast<std::size_t>(frame_.arena[status.slot]);
+    if (said < status.counts.size()) ++status.counts[said];
+  }
+}
+
+// One line for each controller that was not always as it should be.
+void RunWatch::tell_statuses() {
+  for (const Status& status : statuses_) {
+    std::int64_t all = 0;
+    for (const std::int64_t count : status.counts) all += count;
+    if (all == status.counts.front()) continue;
+    std::string text;
+    for (std::size_t i = 0; i < status.counts.size(); ++i) {
+      if (status.counts[i] == 0) continue;
+      text += fmt::format("{}{} at {:.3g} % ({})", text.empty() ? "" : "; ", status.words[i],
+                          100.0 * static_cast<double>(status.counts[i]) / static_cast<double>(all), status.counts[i]);
+    }
+    const std::uint32_t site = program_.kernels[status.kernel].site;
+    findings_.push_back(
+        {"control-status", fmt::format("'{}' at {} samples: {}", program_.sites[site].path, all, text), site});
+  }
+}
 
 std::string RunWatch::name_of(std::size_t g) const {
   if (guard(g).is_jump) return program_.jumps[guard(g).index].name;
@@ -149,6 +187,7 @@ void RunWatch::finish(double t, bool whole, RunStatistics& statistics) {
                              : fmt::format("'{}' was never active: its condition did not hold once in the run", path),
                          what.second});
   }
+  tell_statuses();
   statistics.findings = std::move(findings_);
 }
 

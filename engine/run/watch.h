@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "engine/run/frame.h"
@@ -20,6 +21,8 @@ class RunWatch {
   void active(std::size_t jump) { active_[jump] = 1; }
   // To be called before modes change: until t (s) they were as they stand in the arena.
   void modes_until(double t);
+  // The rates of `bits` had a hit, and all is computed: what controllers say of their search is counted.
+  void hit(Mask bits);
   // To be called before each step, and after one whose length the integrator chose.
   void before_step(std::size_t states);
   void after_step(double before, double after, std::size_t states);
@@ -28,6 +31,7 @@ class RunWatch {
   void finish(double t, bool whole, RunStatistics& statistics);
 
  private:
+  void tell_statuses();
   void name_fastest_state(double t, double h);
   const Program::Guard& guard(std::size_t g) const { return program_.guards[g]; }
   std::string name_of(std::size_t g) const;
@@ -43,6 +47,14 @@ class RunWatch {
   std::vector<double> last_event_, streak_start_;
   std::vector<int> streak_;
   std::vector<std::uint8_t> chatters_, active_;
+  // Kernels that say how they fared: where they write it, and how often they said what.
+  struct Status {
+    std::uint32_t kernel;
+    SlotIndex slot;
+    std::vector<std::string> words;
+    std::vector<std::int64_t> counts;
+  };
+  std::vector<Status> statuses_;
   int short_steps_ = 0;
   bool collapsed_ = false;
   std::vector<double> states_before_;

@@ -72,6 +72,12 @@ class ProductMap final : public Approximator {
     }
   }
 
+  bool is_affine() const override {
+    return std::all_of(products_.begin(), products_.end(), [](const std::vector<Place>& product) {
+      return product.empty() || (product.size() == 1 && product.front().power == 1);
+    });
+  }
+
   // What the file of the regression model holds.
   void write(Item& item) const override { item.set("model", to_item(model_)); }
 

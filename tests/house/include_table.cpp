@@ -24,11 +24,15 @@ const std::vector<Layer>& layers() {
       // Model files are YAML, and there is one reader of YAML.
       {"identify", "identify", {"engine/base", "engine/diagram/document.h"}},
       // What the blocks of learned models share: a block has no header.
-      {"learned", "learned", {"engine/base", "engine/block.h", "engine/program/kernel.h", "identify"}},
+      {"learned",
+       "learned",
+       {"engine/base", "engine/block.h", "engine/program/kernel.h", "engine/program/status_kernel.h", "identify"}},
+      // Predictive control, which searches with learned models.
+      {"control", "control", {"engine/base", "engine/program", "learned", "identify"}},
       {"blocks",
        "blocks",
        {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_delay.h", "engine/block_design.h",
-        "engine/block_parts.h", "engine/block_random.h", "engine/program/kernel.h", "learned",
+        "engine/block_parts.h", "engine/block_random.h", "engine/program/kernel.h", "learned", "control",
         "identify"}},  // learned models are blocks too
       {"render", "render", {"engine/base"}},
       {"app/figures", "figures", {"engine", "render"}},  // shared by the commands and the Lua host
@@ -36,14 +40,14 @@ const std::vector<Layer>& layers() {
       {"scripts/host", "lua_host", {"engine", "identify", "render", "app/figures"}},
       {"app", "", {"engine", "identify", "render", "scripts/host", "app/figures", "app/drawing"}},
       {"bench", "", {"engine", "identify"}},
-      {"tests", "", {"engine", "blocks", "identify", "render", "scripts/host", "app"}},
+      {"tests", "", {"engine", "blocks", "identify", "learned", "control", "render", "scripts/host", "app"}},
   };
   return table;
 }
 
 const std::vector<Door>& doors() {
   static const std::vector<Door> table{
-      {"fmt/", {"engine", "learned", "blocks", "identify", "render", "scripts", "app", "tests", "bench"}},
+      {"fmt/", {"engine", "learned", "control", "blocks", "identify", "render", "scripts", "app", "tests", "bench"}},
       {"yaml-cpp/", {"engine/diagram/document.cpp"}},
       {"cvode/", {"engine/solve/cvode.cpp"}},
       {"ida/", {"engine/solve/ida.cpp"}},
