@@ -129,7 +129,8 @@ class Drawer {
     return stroke;
   }
 
-  void outline(Group& into, Curve ring, Color fill, Color edge, double width, std::vector<double> dashes = {}) const {
+  void outline(Group& into, Curve ring, Color fill, Color edge, double width,
+               const std::vector<double>& dashes = {}) const {
     into.add({Fill{{to_polyline(ring)}, fill}});
     ring.push_back(ring.front());
     Stroke stroke = line(edge, width);

@@ -139,7 +139,7 @@ class Splitter {
         net.sinks = {{c, 0, false}};
         element(before).out[0] = static_cast<int>(web_.nets.size());
         in.push_back(static_cast<int>(web_.nets.size()));
-        text.push_back(old.in_text[static_cast<std::size_t>(main)] == "×" ? "×" : "+");
+        text.emplace_back(old.in_text[static_cast<std::size_t>(main)] == "×" ? "×" : "+");
         side.push_back(start);
         web_.nets.push_back(std::move(net));
       }

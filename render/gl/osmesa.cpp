@@ -8,12 +8,14 @@
 #include "render/error.h"
 #include "render/gl/context.h"
 
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the names are the leak checker's.
 // Asked for by the leak checker of a sanitized build: Mesa and LLVM keep memory until the process ends.
 extern "C" __attribute__((weak)) const char* __lsan_default_suppressions();
 const char* __lsan_default_suppressions() { return "leak:libOSMesa\nleak:libLLVM\n"; }
 // Without a word about it on standard error.
 extern "C" __attribute__((weak)) const char* __lsan_default_options();
 const char* __lsan_default_options() { return "print_suppressions=0"; }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 namespace plantloop {
 namespace {

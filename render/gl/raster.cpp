@@ -64,7 +64,7 @@ class Raster {
     gl_.Enable(GL_SCISSOR_TEST);
   }
 
-  std::string renderer() {
+  std::string renderer() const {
     const auto* name = gl_.GetString(GL_RENDERER);
     return name ? reinterpret_cast<const char*>(name) : "";
   }
@@ -108,7 +108,7 @@ class Raster {
   std::vector<GLint> firsts_;
   std::vector<GLsizei> counts_;
 
-  void attach(GLuint program, GLenum kind, const char* source) {
+  void attach(GLuint program, GLenum kind, const char* source) const {
     const GLuint shader = gl_.CreateShader(kind);
     gl_.ShaderSource(shader, 1, &source, nullptr);
     gl_.CompileShader(shader);
@@ -199,7 +199,7 @@ class Raster {
   }
 
   // False when nothing of the clip rectangle lies in the strip.
-  bool set_scissor(const std::optional<Rect>& clip, int offset, int rows) {
+  bool set_scissor(const std::optional<Rect>& clip, int offset, int rows) const {
     int left = 0, right = width_ * samples_, top = 0, bottom = rows * samples_;
     if (clip) {
       const auto edge = [&](Fixed v) { return floor_div(std::int64_t{v} * samples_ + 128, 256); };

@@ -87,7 +87,7 @@ class Drawing {
   }
 
   // Where the colour bar's room begins.
-  double right_of_box(const PanelPlan& p) {
+  double right_of_box(const PanelPlan& p) const {
     if (p.key.kind == KeyKind::end_labels) return end_label_width(p) + 8 * u_ + 10 * u_;
     if (!p.twin) return 0;
     double widest = 0;
@@ -109,7 +109,7 @@ class Drawing {
     panel(own, p, role);
   }
 
-  double side(const PanelPlan& p) {
+  double side(const PanelPlan& p) const {
     double widest = 0;
     for (const Label& l : p.y_ticks) widest = std::max(widest, l.width);
     return widest + 16 * u_;
@@ -179,7 +179,7 @@ class Drawing {
     if (!major.lines.empty()) lines.add({std::move(major)});
   }
 
-  Rect clip_of(const PanelPlan& p) { return to_rect(p.box.grown(2 * u_)); }
+  Rect clip_of(const PanelPlan& p) const { return to_rect(p.box.grown(2 * u_)); }
 
   void areas(Group& group, const PanelPlan& p, const std::string& role) {
     for (std::size_t i = 0; i < p.series.size(); ++i) {
@@ -215,7 +215,7 @@ class Drawing {
     }
   }
 
-  void markers(Group& own, const SeriesPlan& s, const Box& box) {
+  void markers(Group& own, const SeriesPlan& s, const Box& box) const {
     const Marker marker = s.series->look.marker == Marker::none ? Marker::dot : s.series->look.marker;
     const double radius = s.mark_radius;
     own.clip = to_rect(s.marks.empty() ? box.grown(2 * u_) : box.grown(1.5 * radius));
@@ -354,7 +354,7 @@ class Drawing {
   }
 
   // Centred on the panel, but inside the picture.
-  double upright_y(const PanelPlan& p, const Label& l) {
+  double upright_y(const PanelPlan& p, const Label& l) const {
     const double y = (p.box.top + p.box.bottom + l.width) / 2;
     return std::clamp(y, l.width + 4 * u_, std::max(plan_.height - 4 * u_, l.width + 4 * u_));
   }

@@ -85,7 +85,7 @@ std::vector<Complex> roots(const Polynomial& polynomial) {
   std::vector<Complex> result;
   while (p.size() > 1 && p.back() == 0) {
     p.pop_back();
-    result.push_back(0);
+    result.emplace_back(0);
   }
   if (p.size() > 1 && p.size() <= 201) {
     const auto n = static_cast<Eigen::Index>(p.size()) - 1;

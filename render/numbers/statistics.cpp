@@ -74,9 +74,8 @@ std::vector<double> histogram_edges(const std::vector<double>& sorted, int count
     const double half = lower == 0 || !std::isfinite(span) ? 0.5 : 0.05 * std::abs(lower);
     return {lower - half, lower + half};
   }
-  double width = span / count;
   if (count <= 0) {
-    width = 2 * interquartile(sorted) / std::cbrt(static_cast<double>(sorted.size()));
+    double width = 2 * interquartile(sorted) / std::cbrt(static_cast<double>(sorted.size()));
     if (!(width > span / 100)) width = span / std::clamp(std::sqrt(static_cast<double>(sorted.size())), 1.0, 60.0);
     // 1, 2 or 5 times a power of ten, so that bars end where numbers stand.
     const double decade = std::pow(10.0, std::floor(std::log10(width))), m = width / decade;

@@ -40,7 +40,7 @@ inline void set_plane(Canvas& canvas, const std::vector<Complex>& points, bool s
 // The border of stability, and in the left half plane rays of equal damping and circles of equal frequency.
 inline void draw_plane(Panel& panel, const std::vector<Complex>& points, bool sampled) {
   constexpr double pi = 3.14159265358979323846;
-  const auto arc = [&](double radius, double from, double to, SeriesLook look) {
+  const auto arc = [&](double radius, double from, double to, const SeriesLook& look) {
     std::vector<double> x, y;
     for (const double angle : evenly(from, to, 121)) {
       x.push_back(radius * std::cos(angle));
