@@ -22,7 +22,7 @@ struct PredictiveControlKernel::Work {
   Work(const PredictiveControlKernel& k, double* scratch)
       : room(scratch), search(*k.predictor_, k.blocks_, k.how_.search, room) {
     const Predictor& p = *k.predictor_;
-    state = room.take(p.state_size());
+    state = room.take(p.prediction_size());
     error = room.take(p.outputs());
     target = room.take(k.how_.horizon * p.outputs());
     alpha = room.take(k.how_.horizon * p.outputs());
@@ -61,6 +61,11 @@ void PredictiveControlKernel::evaluate(const KernelCall& call) const {
   const double* const in_parallel = take(p.state_size());
 
   std::copy_n(how_.measures_state ? measured : in_parallel, p.state_size(), work.state);
+  // What the measured state misses of the last prediction goes on to be missed.
+  if (!p.is_made_of_outputs()) {
+    for (int i = 0; i < p.state_size(); ++i)
+      work.state[p.state_size() + i] = how_.measures_state && how_.correction ? measured[i] - in_parallel[i] : 0;
+  }
   if (!how_.correction) p.measure(y, work.state);
   p.output(work.state, work.error, work.model);
   for (int o = 0; o < outputs; ++o) work.error[o] = how_.correction ? y[o] - work.error[o] : 0;

@@ -34,7 +34,8 @@ class PredictiveControlKernel final : public Kernel, public StatusKernel {
   //   lower, upper, greatest change: inputs each
   //   alpha: (horizon - N1 + 1) x outputs; beta: moves x inputs
   //   least, most: signals each; the weight of slacks; lambda
-  //   r: outputs; u(k-1): inputs; the last moves: moves x inputs; the state of the model in parallel
+  //   r: outputs; u(k-1): inputs; the last moves: moves x inputs; the state that the model
+  //   advanced to from the sample before
   // Limits beyond MoveNumbers::no_limit are none.
   int variables() const { return blocks_.moves * predictor_->inputs(); }
   const Predictor& predictor() const { return *predictor_; }

@@ -59,6 +59,7 @@ void LinearPredictor::predict(const double* state, const double* u, int horizon,
   std::copy_n(state, n, now);
   for (int j = 0; j < horizon; ++j, signals += this->signals()) {
     advance(now, u + j * inputs(), next, nullptr);
+    for (int i = 0; i < n; ++i) next[i] += state[n + i];
     std::swap(now, next);
     output(now, signals, nullptr);
     if (with_extras && with_states_) std::copy_n(now, n, signals + outputs());

@@ -37,6 +37,9 @@ class Predictor {
   int signals() const { return outputs() + extras(); }
   // Numbers that say where the model is at a sample, before its input is known.
   virtual int state_size() const = 0;
+  // Numbers of `state` below: a state that is not made of outputs is followed by what is added to it at each sample of
+  // a prediction, a constant disturbance.
+  int prediction_size() const { return is_made_of_outputs() ? state_size() : 2 * state_size(); }
   // Whether the signals are affine in the inputs.
   virtual bool is_linear() const = 0;
   // How many of the first samples of a signal no input can reach, by dead time.
@@ -44,16 +47,16 @@ class Predictor {
   // Doubles that the calls below may use, for a horizon and a number of variables that the inputs depend on.
   virtual std::size_t room(int horizon, int variables) const = 0;
 
-  // The outputs at the sample itself.
+  // The outputs at the sample itself, of state_size() numbers.
   virtual void output(const double* state, double* y, double* room) const = 0;
-  // `with_extras`: otherwise their places are left as they are.
+  // From prediction_size() numbers. `with_extras`: otherwise their places are left as they are.
   virtual void predict(const double* state, const double* u, int horizon, bool with_extras, double* signals,
                        double* room) const = 0;
   // Along the prediction that was made last in this room, with these arguments: by_variables is how the inputs depend
   // on the variables, P inputs() x variables; the result is P signals() x variables, exact.
   virtual void sensitivities(const double* u, int horizon, bool with_extras, const double* by_variables, int variables,
                              double* result, double* room) const = 0;
-  // The state at the next sample.
+  // The state at the next sample, of state_size() numbers.
   virtual void advance(const double* state, const double* u, double* next, double* room) const = 0;
   // The state when nothing has moved since long ago, as far as inputs and outputs tell it.
   virtual void start(const double* u, const double* y, double* state) const = 0;

@@ -26,10 +26,15 @@ struct Nmpc final : Block {
       "over the prediction of the model, with N1 = `minimum_horizon`, N2 = `horizon`, alpha = `output_weight` and beta "
       "= "
       "`move_weight`; only u(k) is applied. The model is a model file (any identified dynamic model, polynomials, "
-      "matrices). r is the set point, or with lambda the trajectory w - lambda^j (w - base) as in pfc. With "
-      "correction: true the difference of plant and model at the sample is added to the prediction, so that no offset "
-      "remains. Limits of inputs and of their rate are kept always. Limits of outputs (y_lower, y_upper), states of "
-      "matrices (x_lower, x_upper) and the variance of a Gaussian process hold at all samples of the horizon that an "
+      "matrices) or a diagram without events and delays, whose signals `input` and `output` name: continuous, stepped "
+      "by rk4 in `substeps` of a sample, or sampled with the controller's period. r is the set point, or with lambda "
+      "the trajectory w - lambda^j (w - base) as in pfc. With "
+      "correction: true the difference of plant and model at the sample is added to the prediction; where the state is "
+      "measured, what it "
+      "misses of the model's last prediction is added to the state at each sample to come. So no offset remains. "
+      "Limits of inputs and of their rate are kept always. Limits of outputs (y_lower, y_upper), states of "
+      "matrices and diagrams (x_lower, x_upper) and the variance of a Gaussian process hold at all samples of the "
+      "horizon that an "
       "input can still reach; when no input keeps them they are exceeded as little as possible. With limits: soft they "
       "may be exceeded by s, for slack_weight (s + s^2) of each signal's greatest s. A linear model makes a quadratic "
       "program, which is solved exactly; others are solved by Gauss and Newton's method with exact derivatives (SQP) "
@@ -56,7 +61,14 @@ expect:
   - {signal: c.u, max: 1.5}
 )";
 
-  Text model{this, "model", {.doc = "the model file, as identification writes it", .file = true}};
+  Text model{this, "model", {.doc = "the model: a file as identification writes it, or a diagram", .file = true}};
+  Text input{this,
+             "input",
+             {.doc = "of a diagram: the signals that are the model's inputs, one or more: u1, u2", .optional = true}};
+  Text output{this, "output", {.doc = "of a diagram: the signals that are the model's outputs", .optional = true}};
+  Count substeps{this,
+                 "substeps",
+                 {.init = 4, .doc = "of a continuous diagram: steps of rk4 in a sample", .min = 1, .max = 100000}};
   Input w{this,
           "w",
           {.doc = "set points of the outputs; (horizon + 1) x outputs when known in advance: now and at the "
@@ -65,7 +77,9 @@ expect:
   Input y{this, "y", {.doc = "measured outputs", .size = any_size}};
   Input x{this,
           "x",
-          {.doc = "measured or estimated state of a model of matrices; without, the model runs in parallel",
+          {.doc = "measured or estimated state of a model of matrices or of a diagram, in the order of linearise; "
+                  "without, the "
+                  "model runs in parallel",
            .init = 0,
            .size = any_size}};
   Count minimum_horizon{
@@ -100,15 +114,16 @@ expect:
                  .max = 1,
                  .size = scalar}};
   Choice start{this, "start", {.of = {"measured", "reference"}, .doc = "where the reference trajectory begins"}};
-  Choice correction{
-      this, "correction", {.of = {"true", "false"}, .doc = "whether the error of the model at the sample is added"}};
+  Choice correction{this,
+                    "correction",
+                    {.of = {"true", "false"}, .doc = "whether the error of the model is added to what it predicts"}};
   Table lower{this, "lower", {.doc = "least inputs", .optional = true}};
   Table upper{this, "upper", {.doc = "greatest inputs", .optional = true}};
   Table max_rate{this, "max_rate", {.doc = "greatest change of the inputs per second", .optional = true, .above = 0}};
   Table y_lower{this, "y_lower", {.doc = "least outputs", .optional = true}};
   Table y_upper{this, "y_upper", {.doc = "greatest outputs", .optional = true}};
-  Table x_lower{this, "x_lower", {.doc = "least states, of a model of matrices", .optional = true}};
-  Table x_upper{this, "x_upper", {.doc = "greatest states, of a model of matrices", .optional = true}};
+  Table x_lower{this, "x_lower", {.doc = "least states, of matrices or a diagram", .optional = true}};
+  Table x_upper{this, "x_upper", {.doc = "greatest states, of matrices or a diagram", .optional = true}};
   Table max_variance{
       this,
       "max_variance",
@@ -119,12 +134,13 @@ expect:
   Count candidates{
       this, "candidates", {.init = 11, .doc = "constant inputs that are tried at each sample", .min = 0, .max = 10000}};
   Count max_iterations{this, "max_iterations", {.init = 50, .doc = "at one sample", .min = 1, .max = 10000}};
-  Table start_of_model{this,
-                       "initial",
-                       {.doc = "what the model begins with: outputs before the start (default: the measured ones), of "
-                               "matrices the state (default: 0); may read signals",
-                        .optional = true,
-                        .initial = true}};
+  Table start_of_model{
+      this,
+      "initial",
+      {.doc = "what the model begins with: outputs before the start (default: the measured ones), of "
+              "matrices the state (default: 0), of a diagram its state (default: its own); may read signals",
+       .optional = true,
+       .initial = true}};
   Table initial_u{
       this, "initial_u", {.init = "0", .doc = "inputs before the start; may read signals", .initial = true}};
   Discrete past_u{this, "past_u", {.doc = "inputs of the last sample", .size = any_size}};
@@ -150,6 +166,9 @@ expect:
     if (model.value().empty()) return;  // reported where the file is named
     const LoadedPredictor loaded = predictor();
     if (!loaded.predictor) return checking.problem(model, loaded.error);
+    if (!loaded.is_diagram && (!input.value().empty() || !output.value().empty()))
+      return checking.problem(input.value().empty() ? output : input,
+                              "only a diagram has signals to choose from; a model file has its own inputs and outputs");
     const Predictor& p = *loaded.predictor;
     if (minimum_horizon.value() > horizon.value())
       return checking.problem(minimum_horizon,
@@ -243,7 +262,9 @@ expect:
 
     std::vector<double> from(static_cast<std::size_t>(p.state_size()));
     std::vector<Value> start_values;
-    if (p.is_made_of_outputs()) {
+    if (now.connected(x) && !p.is_made_of_outputs()) {
+      start_values = expanded(now[x], p.state_size());
+    } else if (p.is_made_of_outputs()) {
       // Where each number of the state comes from: the predictor is given places instead of values.
       std::vector<Value> sources = before;
       const std::vector<Value> outputs =
@@ -291,9 +312,27 @@ expect:
     Value operator[](Kernel_::Result result) const { return values[static_cast<std::size_t>(kernel->at(result))]; }
   };
 
-  LoadedPredictor predictor() const {
+  // Ts: of the controller, in s; 0 while it is not known.
+  LoadedPredictor predictor(double Ts = 0) const {
     const std::string path = model.value();
-    return path.empty() ? LoadedPredictor{} : load_predictor(path);
+    if (path.empty()) return {};
+    return load_predictor({.path = path,
+                           .inputs = names_in(input.value()),
+                           .outputs = names_in(output.value()),
+                           .substeps = substeps.value(),
+                           .Ts = Ts});
+  }
+  static std::vector<std::string> names_in(const std::string& text) {
+    std::vector<std::string> names(1);
+    for (const char c : text) {
+      if (c == ',') {
+        names.emplace_back();
+      } else if (c != ' ') {
+        names.back() += c;
+      }
+    }
+    if (names.back().empty()) names.pop_back();
+    return names;
   }
 
   // The number of moves, 0 after reporting what is wrong about them.
@@ -371,7 +410,7 @@ expect:
 
   Solved solve(Now now) const {
     Solved solved;
-    const LoadedPredictor loaded = predictor();
+    const LoadedPredictor loaded = predictor(now.period().is_known() ? now.period().number() : std::nan(""));
     if (!loaded.predictor) return solved;
     const Predictor& p = *loaded.predictor;
     PredictiveControl options = how(now);

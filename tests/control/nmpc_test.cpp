@@ -26,16 +26,15 @@ struct Found {
   double cost;
 };
 Found least(const std::function<double(const std::vector<double>&)>& cost, const std::vector<double>& lower,
-            const std::vector<double>& upper) {
+            const std::vector<double>& upper, int grid = 5, double finest = 1e-9) {
   const std::size_t n = lower.size();
   Found best{lower, INFINITY};
   std::vector<int> at(n, 0);
-  constexpr int grid = 5;
   for (bool more = true; more;) {
     std::vector<double> x(n);
     for (std::size_t i = 0; i < n; ++i) x[i] = lower[i] + (upper[i] - lower[i]) * (at[i] + 0.5) / grid;
     double now = cost(x), step = 0.5;
-    while (step > 1e-9) {
+    while (step > finest) {
       bool better = false;
       for (std::size_t i = 0; i < n && !better; ++i) {
         for (const double sign : {1.0, -1.0}) {
@@ -298,6 +297,156 @@ TEST(Nmpc, KeepsThePredictedDeviationOfAGaussianProcessBelowItsLimit) {
   EXPECT_EQ(careful.greatest("c.status"), 0);
 }
 
+// --- diagrams as models ---------------------------------------------------------------------------------------------
+
+using State = std::vector<double>;
+using RightSide = std::function<State(const State&, double)>;
+
+State runge_kutta(const RightSide& f, State x, double u, double Ts, int steps) {
+  const double h = Ts / steps;
+  const auto ahead = [&](const State& k, double by) {
+    State moved = x;
+    for (std::size_t i = 0; i < x.size(); ++i) moved[i] += by * k[i];
+    return moved;
+  };
+  for (int n = 0; n < steps; ++n) {
+    const State a = f(x, u), b = f(ahead(a, h / 2), u), c = f(ahead(b, h / 2), u), d = f(ahead(c, h), u);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
+  }
+  return x;
+}
+
+// Seborg's reactor: concentration (mol/l) and temperature (K).
+State reactor(const State& x, double coolant) {
+  const double rate = 7.2e10 / 60 * std::exp(-8750 / x[1]) * x[0];
+  return {(1 - x[0]) / 60 - rate, (350 - x[1]) / 60 + 5e4 / 239 * rate + 5e4 / 60 / (100 * 239) * (coolant - x[1])};
+}
+
+// The neutralisation without dead time: q3, h1, xa, xb, s.
+double pH_of(double xa, double xb) {
+  double low = -1, high = 15;
+  const double pK1 = -std::log10(4.47e-7), pK2 = -std::log10(5.62e-11);
+  while (high - low > 1e-13) {
+    const double pH = 0.5 * (low + high);
+    const double charge = xa + std::pow(10, pH - 14) - std::pow(10, -pH) +
+                          xb * (1 + 2 * std::pow(10, pH - pK2)) / (1 + std::pow(10, pK1 - pH) + std::pow(10, pH - pK2));
+    (charge > 0 ? high : low) = pH;
+  }
+  return 0.5 * (low + high);
+}
+State neutralisation(const State& x, double base) {
+  const double in = 16.6 + 0.55 + x[0], volume = 207 * x[1];
+  return {(base - x[0]) / 6, (in - 4.5860778 * std::pow(x[1] + 11.5, 0.607)) / 207,
+          (16.6 * 3e-3 - 0.55 * 0.03 - x[0] * 3.05e-3 - in * x[2]) / volume,
+          (0.55 * 0.03 + x[0] * 5e-5 - in * x[3]) / volume, (pH_of(x[2], x[3]) - x[4]) / 15};
+}
+
+struct Case {
+  RightSide f;
+  State start;
+  std::size_t output;
+  double Ts, set_point, beta, lower, upper, u_start;
+  int horizon;
+  std::vector<int> blocking;
+};
+
+// The least cost of the first sample, by a search that knows no derivative.
+double least_cost(const Case& c, int substeps) {
+  const std::vector<double> lower(c.blocking.size(), c.lower), upper(c.blocking.size(), c.upper);
+  return least(
+             [&](const std::vector<double>& v) {
+               double cost = 0, last = c.u_start;
+               for (const double move : v) {
+                 cost += c.beta * (move - last) * (move - last);
+                 last = move;
+               }
+               State x = c.start;
+               for (std::size_t j = 0, move = 0, left = static_cast<std::size_t>(c.blocking[0]);
+                    j < static_cast<std::size_t>(c.horizon); ++j) {
+                 if (left == 0 && move + 1 < v.size()) left = static_cast<std::size_t>(c.blocking[++move]);
+                 if (left > 0) --left;
+                 x = runge_kutta(c.f, x, v[move], c.Ts, substeps);
+                 cost += (x[c.output] - c.set_point) * (x[c.output] - c.set_point);
+               }
+               return cost;
+             },
+             lower, upper, 3, 1e-4)
+      .cost;
+}
+
+TEST(Nmpc, HasTheOptimumOfTheReactor) {
+  for (const double set_point : {350.0, 335.0, 322.0}) {
+    SCOPED_TRACE(set_point);
+    const Case c{reactor, {0.8772, 324.5}, 1, 6, set_point, 0.05, 280, 320, 300, 12, {2, 4}};
+    const Signals r =
+        run("blocks:\n  c: {type: nmpc, rate: 6, model: diagrams/examples/models/cstr.yaml, input: coolant, output: T, "
+            "in: {w: " +
+            std::to_string(set_point) +
+            ", y: 324.5}, horizon: 12, blocking: [2, 4], move_weight: 0.05, lower: 280, upper: 320, initial_u: 300, "
+            "substeps: 5}\n"
+            "simulation: {stop: 1}\nrecord: [c.cost, c.status]\n");
+    const double wanted = least_cost(c, 5);
+    EXPECT_NEAR(r.samples("c.cost")[0], wanted, 1e-3 * wanted);
+    EXPECT_EQ(r.samples("c.status")[0], 0);
+  }
+}
+
+TEST(Nmpc, HasTheOptimumOfTheNeutralisation) {
+  for (const double set_point : {6.5, 7.4, 9.0}) {
+    SCOPED_TRACE(set_point);
+    const Case c{
+        neutralisation, {15.6, 14, -4.3603053e-4, 5.2763359e-4, 7.0254861}, 4, 25, set_point, 0.02, 12, 19, 15.6, 8,
+        {2, 6}};
+    const Signals r =
+        run("blocks:\n  c: {type: nmpc, rate: 25, model: tests/control/models/ph.yaml, input: u, output: y, in: {w: " +
+            std::to_string(set_point) +
+            ", y: 7.0254861}, horizon: 8, blocking: [2, 6], move_weight: 0.02, lower: 12, upper: 19, initial_u: 15.6, "
+            "substeps: 10}\n"
+            "simulation: {stop: 1}\nrecord: [c.cost, c.status]\n");
+    const double wanted = least_cost(c, 10);
+    EXPECT_NEAR(r.samples("c.cost")[0], wanted, 1e-3 * wanted);
+    EXPECT_EQ(r.samples("c.status")[0], 0);
+  }
+}
+
+TEST(Nmpc, ASampledDiagramIsAModelToo) {
+  // The same system as a sampled diagram and as what the plant computes: the model is right, so nothing is left.
+  const Signals r = run(
+      "blocks:\n"
+      "  c: {type: nmpc, rate: 0.4, model: tests/control/models/sampled.yaml, input: u, output: y, in: {w: 0.8, y: y}, "
+      "horizon: 6, control_horizon: 2, lower: -1.5, upper: 1.5}\n"
+      "  y: {type: unit_delay, in: y - 0.5*tanh(y + c.u^3) + 0.1*f, initial: 0.2, rate: 0.4}\n"
+      "  f: {type: unit_delay, in: 0.5*f + c.u*y, initial: 0.1, rate: 0.4}\n"
+      "simulation: {stop: 20}\nrecord: [y, c.status, c.cost]\n");
+  EXPECT_NEAR(r.samples("y").back(), 0.8, 1e-6);
+  EXPECT_EQ(r.greatest("c.status"), 0);
+}
+
+TEST(Nmpc, AMeasuredStateLeavesNoOffsetAlthoughTheModelIsWrong) {
+  const Signals r =
+      run("blocks:\n"
+          "  c: {type: nmpc, model: tests/control/models/tanks.yaml, in: {w: 1.8, y: y, x: [a, b]}, horizon: 12, "
+          "control_horizon: 3, move_weight: 0.3, initial_u: 0.5}\n"
+          "  a: {type: unit_delay, in: 0.75*a + 0.2*(c.u - 0.5) - 0.02, rate: 0.1}\n"
+          "  b: {type: unit_delay, in: 0.9*b + 0.12*a + 0.01, rate: 0.1}\n"
+          "  y: 1 + b\nsimulation: {stop: 15}\nrecord: [y, c.status]\n");
+  EXPECT_NEAR(r.samples("y").back(), 1.8, 1e-6);
+}
+
+TEST(Nmpc, KeepsALimitOfAState) {
+  const Signals r =
+      run("blocks:\n"
+          "  c: {type: nmpc, model: tests/control/models/tanks.yaml, in: {w: 1.8, y: y, x: [a, b]}, horizon: 15, "
+          "control_horizon: 4, move_weight: 0.01, initial_u: 0.5, x_upper: [0.9, 10]}\n"
+          "  a: {type: unit_delay, in: 0.8*a + 0.2*(c.u - 0.5), rate: 0.1}\n"
+          "  b: {type: unit_delay, in: 0.9*b + 0.1*a, rate: 0.1}\n"
+          "  y: 1 + b\nsimulation: {stop: 5}\nrecord: [y, a, c.status]\n");
+  EXPECT_LE(r.greatest("a"), 0.9 + 1e-7);
+  EXPECT_GT(r.greatest("a"), 0.89);
+  EXPECT_NEAR(r.samples("y").back(), 1.8, 1e-3);
+  EXPECT_EQ(r.greatest("c.status"), 0);
+}
+
 // --- what does not fit ----------------------------------------------------------------------------------------------
 
 TEST(Nmpc, SaysWhatDoesNotFit) {
@@ -326,6 +475,25 @@ TEST(Nmpc, SaysWhatDoesNotFit) {
       HasSubstr("the model is made of past outputs and inputs, which the block keeps: leave x out"));
   EXPECT_THAT(findings("blocks:\n  c: {type: nmpc, model: tests/blocks/models/mlp.yaml, in: {w: 1, y: 0}" + end),
               HasSubstr("the model has no regressors, so it is no dynamic model but a map 'mlp'"));
+  const auto of_diagram = [](const std::string& model, const std::string& how) {
+    return findings("blocks:\n  c: {type: nmpc, rate: 0.4, model: tests/control/models/" + model +
+                    ".yaml, in: {w: 1, y: 0}" + how + "}\nsimulation: {stop: 1}\n");
+  };
+  EXPECT_THAT(of_diagram("reactor", ""), HasSubstr("is a diagram: say which of its signals are input and output"));
+  EXPECT_THAT(of_diagram("reactor", ", input: u, output: z"),
+              HasSubstr("is wrong: the output 'z' is no signal of the diagram"));
+  EXPECT_THAT(of_diagram("reactor", ", input: y, output: a"), HasSubstr("the input 'y' depends on its states"));
+  EXPECT_THAT(of_diagram("reactor", ", input: u, output: u"),
+              HasSubstr("the output 'u' depends at once on the input, so it is no prediction"));
+  EXPECT_THAT(of_diagram("delayed", ", input: u, output: y"),
+              HasSubstr("block 'late' remembers more than states, as delays do"));
+  EXPECT_THAT(of_diagram("timed", ", input: u, output: y"),
+              HasSubstr("it depends on the time, which stands still in a prediction"));
+  EXPECT_THAT(of_diagram("slow", ", input: u, output: y"),
+              HasSubstr("the model file of 'c' was made for a period of 0.5 s, not 0.4 s"));
+  EXPECT_THAT(of_diagram("itself", ", input: c.u, output: y"), HasSubstr("is its own model"));
+  EXPECT_THAT(findings(begin + ", input: u" + end),
+              HasSubstr("only a diagram has signals to choose from; a model file has its own inputs and outputs"));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace plantloop {
 namespace {
 
 std::shared_ptr<const Predictor> load(const std::string& file) {
-  const LoadedPredictor loaded = load_predictor(file);
+  const LoadedPredictor loaded = load_predictor({.path = file, .inputs = {"u"}, .outputs = {"y"}, .Ts = 0.4});
   EXPECT_TRUE(loaded.predictor) << loaded.error;
   return loaded.predictor;
 }
@@ -37,7 +37,7 @@ void expect_exact_derivatives(const std::string& file) {
   const auto p = load(file);
   if (!p) return;
   constexpr int horizon = 6;
-  const std::vector<double> state = some(p->state_size(), 0.3);
+  const std::vector<double> state = some(p->prediction_size(), 0.3);
   std::vector<double> u = some(horizon * p->inputs(), 0.5);
   const int variables = horizon * p->inputs();
   std::vector<double> room(p->room(horizon, variables)), signals(static_cast<std::size_t>(horizon * p->signals()));
@@ -68,17 +68,24 @@ TEST(Predictor, DerivativesAreExact) {
   expect_exact_derivatives("tests/control/models/two_by_two.yaml");
   expect_exact_derivatives("tests/control/models/products.yaml");
   expect_exact_derivatives("tests/control/models/tanks.yaml");
+  expect_exact_derivatives("tests/control/models/reactor.yaml");
+  expect_exact_derivatives("tests/control/models/sampled.yaml");
+  expect_exact_derivatives("tests/control/models/balance.yaml");
 }
 
 // A prediction is the model advanced sample by sample.
 TEST(Predictor, PredictsWhatAdvancingGives) {
-  for (const std::string file : {"diagrams/book/models/first_order_gp.yaml", "tests/control/models/two_by_two.yaml",
-                                 "tests/control/models/products.yaml", "tests/control/models/tanks.yaml"}) {
+  for (const std::string file :
+       {"diagrams/book/models/first_order_gp.yaml", "tests/control/models/two_by_two.yaml",
+        "tests/control/models/products.yaml", "tests/control/models/tanks.yaml", "tests/control/models/reactor.yaml",
+        "tests/control/models/sampled.yaml", "tests/control/models/balance.yaml"}) {
     SCOPED_TRACE(file);
     const auto p = load(file);
     ASSERT_TRUE(p);
     constexpr int horizon = 7;
     std::vector<double> state = some(p->state_size(), 0.2), next = state;
+    state.resize(static_cast<std::size_t>(p->prediction_size()), 0.0);  // no disturbance
+    next = state;
     const std::vector<double> u = some(horizon * p->inputs(), 0.4), signals = predict(*p, state, u);
     std::vector<double> room(p->room(horizon, 1)), y(static_cast<std::size_t>(p->outputs()));
     for (int j = 0; j < horizon; ++j) {
@@ -86,7 +93,8 @@ TEST(Predictor, PredictsWhatAdvancingGives) {
       state.swap(next);
       p->output(state.data(), y.data(), room.data());
       for (int o = 0; o < p->outputs(); ++o)
-        EXPECT_EQ(y[static_cast<std::size_t>(o)], signals[static_cast<std::size_t>(j * p->signals() + o)]) << j;
+        EXPECT_NEAR(y[static_cast<std::size_t>(o)], signals[static_cast<std::size_t>(j * p->signals() + o)], 1e-12)
+            << j;
     }
   }
 }

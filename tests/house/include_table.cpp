@@ -27,8 +27,11 @@ const std::vector<Layer>& layers() {
       {"learned",
        "learned",
        {"engine/base", "engine/block.h", "engine/program/kernel.h", "engine/program/status_kernel.h", "identify"}},
-      // Predictive control, which searches with learned models.
-      {"control", "control", {"engine/base", "engine/program", "learned", "identify"}},
+      // Predictive control, which searches with models: learned ones, or diagrams.
+      {"control",
+       "control",
+       {"engine/base", "engine/program", "engine/run", "engine/analysis", "engine/graph", "engine/diagram", "learned",
+        "identify"}},
       {"blocks",
        "blocks",
        {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_delay.h", "engine/block_design.h",
