@@ -163,6 +163,20 @@ Shape TransferFunction::state_shape(const Shape& den, const Shape& input) {
   return input.size() == 1 ? Shape::vector(order) : Shape::matrix(order, input.size());
 }
 
+void check_covariance(Sizing& sizing, const Table& table, int n) {
+  const Shape s = sizing.of(table);
+  if (!s.is_known() || s.size() == 1 || s == Shape::vector(n) || s == Shape::matrix(n, n)) return;
+  sizing.problem(table, fmt::format("{} must be {} by {}, its diagonal or one number, but it is {}", table.name, n, n,
+                                    to_string(s)));
+}
+
+Array full_covariance(const Array& given, int n) {
+  if (given.shape() == Shape::matrix(n, n)) return given;
+  Array matrix(Shape::matrix(n, n));
+  for (int i = 0; i < n; ++i) matrix(i, i) = given.size() == 1 ? given[0] : given[i];
+  return matrix;
+}
+
 Array solve_symmetric(const Array& S, const Array& B) {
   const int n = S.rows();
   Array L(Shape::matrix(n, n)), X = B;

@@ -77,6 +77,10 @@ class TransferFunction {
 // Computations, 4.1); B and X are matrices.
 Array solve_symmetric(const Array& S, const Array& B);
 
+// A covariance of n numbers: n by n, its diagonal, or one number for the whole diagonal.
+void check_covariance(Sizing& sizing, const Table& table, int n);
+Array full_covariance(const Array& given, int n);
+
 // x' = A x + B u (or x[k+1] = ...), y = C x + D u, written with as few brackets as possible: a vector B is a column (of
 // one state: a row), a vector C a row (of one state: a column).
 class LinearSystem {

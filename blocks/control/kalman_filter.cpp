@@ -74,7 +74,7 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
 
   void initial(Now now, Init init) const override {
     init[predicted] = now[initial_value];
-    init[covariance] = full(now[P0], now[A].rows());
+    init[covariance] = full_covariance(now[P0], now[A].rows());
   }
   void outputs(Now now, Out out) const override {
     const Array known = estimate.is("current") ? correct(now).x : now[predicted];
@@ -87,7 +87,7 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
     const int n = now[A].rows();
     const Array a = now[A].spread(Shape::matrix(n, n));
     next[predicted] = mul(a, known.x) + through(now, B, n);
-    next[covariance] = mul(mul(a, known.P), transpose(a)) + full(now[Q], n);
+    next[covariance] = mul(mul(a, known.P), transpose(a)) + full_covariance(now[Q], n);
   }
 
  private:
@@ -111,20 +111,6 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
     }
     if (by_b + by_d > 0) sizing.expect(u, one_or_many(by_b > 0 ? by_b : by_d));
   }
-  static void check_covariance(Sizing& sizing, const Table& table, int n) {
-    const Shape s = sizing.of(table);
-    if (!s.is_known() || s.size() == 1 || s == Shape::vector(n) || s == Shape::matrix(n, n)) return;
-    sizing.problem(table, fmt::format("{} must be {} by {}, its diagonal or one number, but it is {}", table.name, n, n,
-                                      to_string(s)));
-  }
-
-  // A covariance from a matrix, a diagonal, or one number for the whole diagonal.
-  static Array full(const Array& given, int n) {
-    if (given.shape() == Shape::matrix(n, n)) return given;
-    Array matrix(Shape::matrix(n, n));
-    for (int i = 0; i < n; ++i) matrix(i, i) = given.size() == 1 ? given[0] : given[i];
-    return matrix;
-  }
 
   // What the known inputs give through B or D: as many rows as asked for.
   Array through(Now now, const Table& table, int rows) const {
@@ -135,7 +121,7 @@ expect: [{signal: level.x, measure: final, value: 5, abs: 0.05}]
 
   Corrected correct(Now now) const {
     const int n = now[A].rows(), p = measurements(now);
-    const Array c = output_matrix(now), before = now[covariance], noise = full(now[R], p);
+    const Array c = output_matrix(now), before = now[covariance], noise = full_covariance(now[R], p);
     const Array cross = mul(c, before);  // C P-, transposed P- C'
     const Array gain = transpose(solve_symmetric(mul(cross, transpose(c)) + noise, cross));
     const Array innovation = now[y].spread(Shape::vector(p)) - mul(c, now[predicted]) - through(now, D, p);
