@@ -49,6 +49,7 @@ MoveSearch::MoveSearch(const Predictor& predictor, const MoveBlocks& blocks, con
   trial_ = room.take(variables_);
   best_ = room.take(variables_);
   start_ = room.take(variables_);
+  was_active_ = room.take(most_rows(predictor, blocks));
   multipliers_ = room.take(horizon_ * signals_count_);
   curvature_ = room.take(variables_ * variables_);
   slope_here_ = room.take(variables_);
@@ -156,7 +157,7 @@ void MoveSearch::curve(const double* v) {
   double* const slope = program_.x;
   for (int i = 0; i < n; ++i) {
     std::copy_n(v, n, moved);
-    const double step = 1e-6 * (1 + std::abs(v[i]));
+    const double step = 1e-8 * (1 + std::abs(v[i]));  // small: weak directions hide behind strong ones
     moved[i] += step;
     evaluate(moved);
     differentiate();
@@ -251,13 +252,32 @@ int MoveSearch::signal_rows(int row, int n) {
   return row;
 }
 
+// Adds stiffness/2 (a x - b)^2 for each limit that was active. Where it is so again this is nothing, but the curvature
+// along its normal, which is often negative at an optimum, is gone.
+void MoveSearch::stiffen(double stiffness, int n) {
+  for (int r = 0; r < rows_; ++r) {
+    if (was_active_[r] == 0) continue;
+    const double* const a = program_.A + r * n;
+    double length = 0;
+    for (int i = 0; i < n; ++i) length += a[i] * a[i];
+    if (length == 0) continue;
+    for (int i = 0; i < n; ++i) {
+      if (a[i] == 0) continue;
+      const double scaled = stiffness / length * a[i];
+      program_.g[i] -= scaled * program_.b[r];
+      for (int j = 0; j <= i; ++j) program_.H[i * n + j] += scaled * a[j];
+    }
+  }
+}
+
 // Around v, for the signals and slopes as they stand. With slacks, `weight` is that of hard limits, which are exceeded
 // as little as possible then.
 QuadraticProgram::Outcome MoveSearch::quadratic(const double* v, bool slack, double weight) {
   slacks_ = 0;
   for (int s = 0; slack && s < signals_count_; ++s) slacks_ += is_limited(s) ? 1 : 0;
   const int n = variables_ + slacks_;
-  double damping = 0, curvature = is_curved_ ? 1 : 0;
+  double damping = 0, curvature = is_curved_ ? 1 : 0, stiffness = 0;
+  const int rows_before = rows_, first_row_before = first_signal_row_;
   for (int attempt = 0;; ++attempt) {
     objective(v);
     double greatest = 0;
@@ -275,11 +295,21 @@ QuadraticProgram::Outcome MoveSearch::quadratic(const double* v, bool slack, dou
     }
     first_signal_row_ = input_rows(v, n);
     rows_ = signal_rows(first_signal_row_, n);
+    is_known_active_ = is_known_active_ && rows_ == rows_before && first_signal_row_ == first_row_before;
+    if (stiffness > 0 && is_known_active_) stiffen(stiffness, n);
     const auto outcome = program_.solve(n, rows_);
-    constexpr int most_attempts = 12;
-    if (outcome != QuadraticProgram::Outcome::not_convex || attempt == most_attempts) return outcome;
-    if (curvature > 0) {  // as much of it as leaves the program convex
+    constexpr int most_attempts = 16;
+    if (outcome != QuadraticProgram::Outcome::not_convex || attempt == most_attempts) {
+      is_known_active_ = outcome == QuadraticProgram::Outcome::solved;
+      for (int r = 0; r < rows_ && is_known_active_; ++r) was_active_[r] = program_.multiplier[r] > 0 ? 1 : 0;
+      return outcome;
+    }
+    if (stiffness == 0 && curvature > 0 && is_known_active_) {
+      stiffness = 10 * greatest;
+    } else if (curvature > 0) {  // as much of it as leaves the program convex
+      stiffness = 0;
       curvature = curvature > 0.1 ? curvature / 2 : 0;
+      is_known_active_ = false;
     } else {  // moves that the cost does not see stay where they are
       damping = std::max(damping * 100, greatest > 0 ? 1e-10 * greatest : 1.0);
     }
@@ -313,6 +343,7 @@ bool MoveSearch::search(double* v, Value value) {
   const bool soft = options_.soft;
   bool is_slow = false;
   is_curved_ = false;
+  is_known_active_ = false;
   constexpr int quick = 5;
   for (int iteration = 0; iterations_ < options_.max_iterations; ++iteration) {
     ++iterations_;

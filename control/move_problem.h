@@ -93,6 +93,7 @@ class MoveSearch {
   template <typename Each>
   void for_each_limit(const Each& each) const;
   int signal_rows(int row, int variables);
+  void stiffen(double stiffness, int variables);
   bool is_limited(int signal) const;
   void set_slopes_of_inputs();
   double scale_of(int signal) const;
@@ -113,6 +114,8 @@ class MoveSearch {
   const MoveNumbers* n_ = nullptr;
   QuadraticProgram program_;
   double *by_moves_, *u_, *signals_, *slopes_, *trial_, *best_, *start_, *room_;
+  double* was_active_;  // by row of the last program, where is_known_active_
+  bool is_known_active_ = false;
   double *multipliers_, *curvature_, *slope_here_;  // of the signals' limits; what Gauss and Newton leave out
   Value best_value_;
   bool has_best_ = false;
