@@ -79,6 +79,12 @@ bool is_flat(const Formula& f) {
   return f.kind == Formula::Kind::row && std::all_of(f.parts.begin(), f.parts.end(), is_flat);
 }
 
+bool is_sum(const Formula& f) {
+  return f.kind == Formula::Kind::row && std::any_of(f.parts.begin(), f.parts.end(), [](const Formula& part) {
+           return part.kind == Formula::Kind::text && (part.text == " + " || part.text == " − ");
+         });
+}
+
 class Setter {
  public:
   explicit Setter(const Substitute& substitute) : substitute_(substitute) {}
@@ -88,7 +94,7 @@ class Setter {
     if (e.kind == Kind::name && substitute_)
       if (std::optional<Formula> other = substitute_(e, least > 5)) return *std::move(other);
     Formula f = plain(e);
-    if (rank_of(e) < least && !(f.kind == Formula::Kind::fraction)) return row({"(", std::move(f), ")"});
+    if (rank_of(e) < least && !(f.kind == Formula::Kind::fraction && least <= 7)) return row({"(", std::move(f), ")"});
     return f;
   }
 
@@ -167,6 +173,7 @@ class Setter {
       // (1/p) s is s/p.
       if (Formula first = set(a, 6), second = set(b, 7); first.kind == Formula::Kind::fraction && is_flat(second)) {
         const bool one = first.parts[0].kind == Formula::Kind::text && first.parts[0].text == "1";
+        if (is_sum(first.parts[0])) first.parts[0] = row({"(", first.parts[0], ")"});
         first.parts[0] = one ? second : row({first.parts[0], " ", second});
         return first;
       }
