@@ -1,13 +1,17 @@
 -- Which model describes the process behind a file of measurements?
 --
--- plantloop script scripts/examples/identify.lua DATA.csv [TEST.csv] [NAME] [effort=1] [train=1] [seed=1]
+-- plantloop script scripts/examples/identify.lua DATA.csv [TEST.csv] [NAME] [effort=1] [train=1] [skip=20] [seed=1]
 --
 -- The files have the columns time, u..., y...; empty cells are missing values. For each output the script looks at the data,
 -- fits linear models, polynomials, networks, local models and Gaussian processes to a part of them and judges each by its free
 -- run over blocks of time that were held back. The best structure is fitted again to all data of DATA.csv, judged once by
--- TEST.csv, and written to out/NAME-OUTPUT.yaml with the figures of its validation.
+-- TEST.csv, and written to out/NAME-OUTPUT.yaml with the figures of its validation. What it predicts of the test, in free run
+-- from the first measured samples, is written to out/NAME-OUTPUT-test.csv.
 --
---   train=0.5    only the first half of DATA.csv is used; the rest is the test
+--   test=FILE.csv  says the same as a second file
+--   train=0.5    only the first half of each record in DATA.csv is used; the rest is the test
+--   train=5000   only the first 5000 samples are used
+--   skip=20      so many samples at the beginning of each record are not scored
 --   effort=3     how much is tried: minutes of an idle machine of two cores; 1 is enough for records of some thousand samples
 --
 -- What is tried depends on the effort and the size of the record, never on the clock, so that a run can be repeated exactly.
@@ -15,14 +19,18 @@
 local pl = require "plantloop"
 local identify = pl.identify
 
-local files, options, given_name = {}, {effort = 1, train = 1, seed = 1}, nil
+local files, options, given_name = {}, {effort = 1, train = 1, skip = 20, seed = 1}, nil
 for _, word in ipairs(arg) do
   local key, value = word:match("^(%w+)=(.+)$")
-  if key then
-    if not options[key] or not tonumber(value) then error(("'%s' is no option; there are effort=, train= and seed= with a number"):format(word), 0) end
+  if key == "test" and value:match("%.csv$") then
+    files[2] = value
+  elseif key then
+    if not options[key] or not tonumber(value) then
+      error(("'%s' is no option; there are effort=, train=, skip= and seed= with a number, and test= with a CSV file"):format(word), 0)
+    end
     options[key] = tonumber(value)
   elseif word:match("%.csv$") then
-    files[#files + 1] = word
+    files[files[1] and 2 or 1] = word
   else
     given_name = word
   end
@@ -53,9 +61,18 @@ for _, line in ipairs(all:advice()) do print("  " .. line) end
 all = filled(all)
 local test
 if files[2] then test = filled(identify.read(files[2])) end
-if options.train < 1 then
+if options.train ~= 1 then
+  local share = options.train < 1 and options.train or options.train / all.samples
+  if not (share > 0 and share < 1) then
+    error(("train=%g: a share below 1, or a number of samples below the %d of the record"):format(options.train, all.samples), 0)
+  end
+  if options.train > 1 and all.experiments > 1 then error("train= takes a share when the record has several experiments", 0) end
   local rest
-  all, rest = all:split(options.train)
+  if options.train < 1 then
+    all, rest = all:split(share)
+  else
+    all, rest = all:part(1, math.floor(options.train)), all:part(math.floor(options.train) + 1, all.samples)
+  end
   test = test or rest
 end
 
@@ -109,7 +126,7 @@ end
 
 -- Root of the mean square of the free run's error over experiments, the first samples of each not scored; the fit in %; and
 -- the mean squares of pieces of them.
-local scored_from = 20
+local scored_from = math.floor(options.skip)
 local function judge(model, parts)
   local square, count, total, sum, pieces = 0, 0, 0, 0, {}
   for _, part in ipairs(parts) do
@@ -183,14 +200,64 @@ local function identify_output(output)
   -- Linear: orders and delay by a table of ARX structures, then output error around the best.
   local highest = samples > 600 and 6 or 3
   local delay, order = 0, 2
+  -- How many samples later than `delay` each input begins to act.
+  local later = {}
+  for i = 1, inputs do later[i] = 0 end
+  local function delays(d)
+    local list = {}
+    for i = 1, inputs do list[i] = d + later[i] end
+    return list
+  end
   if inputs > 0 then
+    -- Delays of any length by small models: the least that is not clearly worse than the best, as above.
+    local far, long = math.min(60, splits[1].train.samples // 25), -1
+    local found, first = pcall(identify.order_table, splits[1].train,
+                               {na = {1, 2}, nb = {1, 2}, delay = {-1, far}, remove_means = true, validation = splits[1].held})
+    if found then
+      long = first.best.simulated.delay
+      for _, c in ipairs(first) do
+        if c.simulated < 1.03 * first.best.simulated.simulated then long = math.min(long, c.delay) end
+      end
+    end
+    if long > 4 then
+      local ran, d, rmse = pcall(identify.delay_table, splits[1].train, {order = 2, delay = {math.max(-1, long - 10), long + 10}, remove_means = true})
+      if ran then
+        local least = pl.min(rmse)
+        for i = #d, 1, -1 do
+          if rmse[i] < 1.03 * least then long = math.floor(d[i]) end
+        end
+      end
+    end
+    -- Inputs that act later than the others, one after the other.
+    if inputs > 1 and found then
+      delay = math.max(long, 0)
+      local function error_of(list)
+        local ok, model = pcall(identify.oe, splits[1].train, {nb = 2, nf = 2, delay = list, remove_means = true, iterations = 15})
+        return ok and (judge(model, splits[1].held_parts)) or math.huge
+      end
+      local now = delays(delay)
+      local least = error_of(now)
+      for i = 1, inputs do
+        local start = now[i]
+        for _, d in ipairs{-1, 0, 1, 2, 3, 5, 8, 12, 17, 23, 30, 40} do
+          local list = {table.unpack(now)}
+          list[i] = d
+          local e = d <= far and d ~= start and error_of(list) or math.huge
+          if e < 0.97 * least then now, least = list, e end
+        end
+      end
+      long = math.min(table.unpack(now))
+      for i = 1, inputs do later[i] = now[i] - long end
+    end
+    local range = long > 4 and {long - 2, long + 3} or {-1, 6}
+    if math.max(table.unpack(later)) > 0 then range = {long, long} end
     local ok, list = pcall(identify.order_table, splits[1].train,
-                           {na = {1, highest}, nb = {1, highest}, delay = {-1, 6}, remove_means = true, validation = splits[1].held})
+                           {na = {1, highest}, nb = {1, highest}, delay = range, remove_means = true, validation = splits[1].held})
     if ok then
       for _, by in ipairs{"MDL", "simulated"} do
         local c = list.best[by]
         try("ARX", ("ARX na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, by == "MDL" and by or "free run"), 0.1,
-            function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = c.delay, remove_means = true}) end)
+            function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = delays(c.delay), remove_means = true}) end)
       end
       -- The least delay that is not clearly worse than the best: a slow process does not tell where its delay ends.
       delay = list.best.simulated.delay
@@ -202,12 +269,12 @@ local function identify_output(output)
     for _, d in ipairs(delay >= 0 and {delay, delay - 1} or {delay, 0}) do
       for nf = 1, highest > 3 and 6 or 4 do
         local c = try("output error", ("output error nb %d nf %d delay %d"):format(nf, nf, d), rows * nf * 2e-5,
-            function(x) return identify.oe(x, {nb = nf, nf = nf, delay = d, remove_means = true, iterations = 60}) end)
+            function(x) return identify.oe(x, {nb = nf, nf = nf, delay = delays(d), remove_means = true, iterations = 60}) end)
         if c and (not best_oe or c.held < 0.98 * best_oe.held) then best_oe, delay, order = c, d, nf end
       end
     end
     try("Box-Jenkins", ("Box-Jenkins nb %d nc 1 nd 2 nf %d delay %d"):format(order, order, delay), rows * 1e-4,
-        function(d) return identify.bj(d, {nb = order, nc = 1, nd = 2, nf = order, delay = delay, remove_means = true, iterations = 60}) end)
+        function(d) return identify.bj(d, {nb = order, nc = 1, nd = 2, nf = order, delay = delays(delay), remove_means = true, iterations = 60}) end)
     for n = 2, highest, 2 do
       try("state space", ("state space of order %d by subspace"):format(n), rows * 1e-4,
           function(d) return identify.state_space(d, {order = n, remove_means = true}) end)
@@ -219,8 +286,9 @@ local function identify_output(output)
   local function lags(ny, nu, d)
     local text = ny > 0 and ("y(k-1..%d)"):format(ny) or ""
     for i = 1, inputs do
+      local from = d + later[i]
       text = text .. (text == "" and "" or ", ") ..
-             (d < 0 and ("%s(k..%d)"):format(channel(i), nu - 1) or ("%s(k-%d..%d)"):format(channel(i), d + 1, d + nu))
+             (from < 0 and ("%s(k..%d)"):format(channel(i), nu - 1) or ("%s(k-%d..%d)"):format(channel(i), from + 1, from + nu))
     end
     return text
   end
@@ -374,20 +442,32 @@ local function identify_output(output)
     end
   end
 
-  -- A model must bear inputs that go somewhat beyond those it was made from, as its user's may: by a fifth.
+  local tests = test and experiments_of(test, output)
+
+  -- A model must bear inputs that go somewhat beyond those it was made from, as its user's may: by a fifth, and the same
+  -- backwards in time. It must also bear the inputs of the test, whose outputs it does not see but for the first.
   local means = {}
   for i = 1, inputs do means[i] = pl.mean(data:column(all.inputs[i])) end
   local lowest, greatest = pl.min(data.y), pl.max(data.y)
   local stressed = {}
-  for i, part in ipairs(parts) do
+  local function stress(part, backwards)
     local columns, rows = {}, {}
     for j = 1, inputs do columns[j] = (part:column(all.inputs[j]) - means[j]) * 1.2 + means[j] end
-    for k = 1, inputs > 0 and part.samples or 0 do
+    for k = 1, part.samples do
       rows[k] = {}
-      for j = 1, inputs do rows[k][j] = columns[j][k] end
+      for j = 1, inputs do rows[k][j] = columns[j][backwards and part.samples + 1 - k or k] end
     end
-    stressed[i] = inputs > 0 and identify.data{u = pl.matrix(rows), y = part.y, Ts = part.Ts, inputs = all.inputs, outputs = {label}} or part
+    stressed[#stressed + 1] = identify.data{u = pl.matrix(rows), y = part.y, Ts = part.Ts, inputs = all.inputs, outputs = {label}}
   end
+  for _, part in ipairs(parts) do
+    if inputs > 0 then
+      stress(part, false)
+      stress(part, true)
+    else
+      stressed[#stressed + 1] = part
+    end
+  end
+  for _, part in ipairs(tests or {}) do stressed[#stressed + 1] = part end
   local function bears(model)
     for _, part in ipairs(stressed) do
       local ok, y = pcall(function() return model:simulate(part) end)
@@ -397,13 +477,17 @@ local function identify_output(output)
     return true
   end
   table.sort(candidates, function(a, b) return a.held < b.held end)
-  local best
+  local best, judged_to_bear = nil, {}
+  local function fit_to_use(c)
+    if judged_to_bear[c] == nil then judged_to_bear[c] = c.held < math.huge and bears(c.models[1]) end
+    return judged_to_bear[c]
+  end
   for _, c in ipairs(candidates) do
     if not best and c.held < math.huge then
-      if bears(c.models[1]) then
+      if fit_to_use(c) then
         best = c
       else
-        print(("\n  %s is not taken: it runs away when its inputs are 20 %% larger"):format(c.what))
+        print(("\n  %s is not taken: it runs away when its inputs are 20 %% larger, or on those of the test"):format(c.what))
       end
     end
   end
@@ -419,29 +503,31 @@ local function identify_output(output)
   for _, c in ipairs(candidates) do
     if c.held < 1.05 * least.held and #c.pieces == #least.pieces and c.parameters < best.parameters then
       local d = pl.vector(c.pieces) - pl.vector(least.pieces)
-      if pl.mean(d) < pl.std(d) / math.sqrt(#d) then best = c end
+      if pl.mean(d) < pl.std(d) / math.sqrt(#d) and fit_to_use(c) then best = c end
     end
   end
   if best ~= least then print(("  not to be told apart from it, with %d parameters instead of %d: %s"):format(best.parameters, least.parameters, best.what)) end
 
-  -- The best structure again, by all data: from the beginning, and on from what a part of them gave.
-  local final, reached = nil, math.huge
+  -- The best structure again, by all data: from the beginning, and on from what a part of them gave. Models that do not bear
+  -- what is asked above come last.
+  local final, reached, final_bears = nil, math.huge, false
   local function offer(fit, ...)
     local ok, model = pcall(fit, data, ...)
     local rmse = ok and judge(model, parts) or math.huge
-    if rmse < reached then final, reached = model, rmse end
+    if rmse == math.huge then return end
+    local good = bears(model)
+    if good == final_bears and rmse < reached or good and not final_bears then final, reached, final_bears = model, rmse, good end
   end
   if not best.again or data.samples < 2 * most then offer(best.fit) end
   if best.again then
     for _, model in ipairs(best.models) do offer(best.again, model) end
   end
-  if reached > 1.5 * math.max(best.train, best.held) then
+  if not final or reached > 1.5 * math.max(best.train, best.held) or not final_bears and fit_to_use(best) then
     print "  the fit to all data does not run freely as well: a model of a part of them is saved"
     final = best.models[1]
     reached = judge(final, parts)
   end
 
-  local tests = test and experiments_of(test, output)
   print(("  %-62s %12s %12s%s"):format("the best of each family: RMSE of the free run", "identified", "held back", tests and "         test" or ""))
   local seen = {}
   for _, c in ipairs(candidates) do
@@ -455,6 +541,18 @@ local function identify_output(output)
   local _, percent = judge(final, parts)
   print(("  the model that is saved, fitted to all data: RMSE %.5g, FIT %.2f %%"):format(reached, percent))
   if tests then print(("  its free run over the test: RMSE %.5g, FIT %.2f %%"):format(judge(final, tests))) end
+  for i, part in ipairs(tests or {}) do
+    local path = ("%s-test%s.csv"):format(stem, #tests > 1 and i or "")
+    local _, run = pcall(function() return final:simulate(part) end)
+    if type(run) == "string" or not (pl.max(pl.abs(run)) < math.huge) then
+      print "  its free run over the test runs away: no file of it is written"
+      break
+    end
+    local columns = {}
+    for k = 1, part.samples do columns[k] = {part.y[k], run[k], part.y[k] - run[k]} end
+    identify.data{u = part.u, y = pl.matrix(columns), Ts = part.Ts, inputs = all.inputs, outputs = {label, "free_run", "error"}}:save(path)
+    print(("  the free run over the test, beside what was measured: %s"):format(path))
+  end
   print(("  written: %s.yaml, %s-validation.png, %s-residuals.png"):format(stem, stem, stem))
   local linear = {ARX = true, ["output error"] = true, ["Box-Jenkins"] = true, ["state space"] = true}
   print(("  in a diagram: {type: %s, model: %s.yaml}"):format(linear[best.family] and "linear_model" or "narx", stem))

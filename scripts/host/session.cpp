@@ -77,10 +77,13 @@ void Session::tell(const Report& report) {
 }
 
 FileResult Session::readable(const std::string& path) const {
-  // What the user named on the command line is his to show, wherever it lies; a folder or a device is not read.
+  // What the user named on the command line, alone or as in test=FILE, is his to show, wherever it lies; a folder or a
+  // device is not read.
   std::error_code error;
-  if (std::find(arguments.begin(), arguments.end(), path) != arguments.end() && fs::is_regular_file(path, error))
-    return {path, {}};
+  const auto names = [&path](const std::string& argument) {
+    return argument == path || argument.substr(argument.find('=') + 1) == path;
+  };
+  if (std::any_of(arguments.begin(), arguments.end(), names) && fs::is_regular_file(path, error)) return {path, {}};
   FileResult result;
   fs::path rest = path;
   if (rest.is_absolute()) {

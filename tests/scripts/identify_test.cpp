@@ -98,6 +98,7 @@ TEST_F(Identification, ReadsTheFilesOfTheCommandLine) {
   const std::string script = "local pl = require 'plantloop'; print(pl.identify.read(arg[1]).samples)";
   EXPECT_EQ(run(script, {path}).output, "3\n");
   EXPECT_EQ(run(script, {"../rig.csv"}).output, "3\n");
+  EXPECT_EQ(run("print(require('plantloop').identify.read('../rig.csv').samples)", {"test=../rig.csv"}).output, "3\n");
   EXPECT_NE(run("require('plantloop').identify.read('" + path + "')", {"other.csv"})
                 .messages.find("it lies outside of the project"),
             std::string::npos);
