@@ -42,7 +42,7 @@ const std::vector<Layer>& layers() {
       {"app/drawing", "drawing", {"engine", "render"}},  // a library, so that tests can look at drawings
       {"scripts/host", "lua_host", {"engine", "identify", "render", "app/figures"}},
       {"app", "", {"engine", "identify", "render", "scripts/host", "app/figures", "app/drawing"}},
-      {"bench", "", {"engine", "identify"}},
+      {"bench", "", {"engine", "identify", "learned", "control"}},
       {"tests", "", {"engine", "blocks", "identify", "learned", "control", "render", "scripts/host", "app"}},
   };
   return table;
