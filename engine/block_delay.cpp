@@ -121,9 +121,16 @@ class PastSignal final : public Kernel {
     const bool is_break = !breaks.value.empty() && breaks.value.back() == right;
     if (is_break) {
       breaks.order.back() = order;
-    } else if (order < Break::smooth) {
+    } else if (order < Break::smooth && !(order > 1 && is_crowded(call))) {
       append(breaks, samples.time.back(), right, order);
     }
+  }
+
+  // A delay that goes up and down fast brings each break out several times. Of so many that they lie this close, steps
+  // end where the value or the slope jumps; the error control of the solver bears the others.
+  static bool is_crowded(const KernelCall& call) {
+    const History& breaks = call.history[1];
+    return !breaks.time.empty() && call.time - breaks.time.back() < 1e-4 * call.in[1];
   }
 
   // How many breaks have come out at the time of the call. A delay that varies is compared exactly, as the crossings of

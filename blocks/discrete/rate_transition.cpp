@@ -8,7 +8,7 @@ namespace {
 struct RateTransition final : Block {
   static constexpr auto summary = "Carry a signal to another rate, with a latency that is defined.";
   static constexpr auto details =
-      "The block has the rate of who reads it. From a faster rate, or a continuous signal, it samples: y[k] = u(t_k). "
+      "`rate:` is that of what reads the block. From a faster rate, or a continuous signal, it samples: y[k] = u(t_k). "
       "From a slower one it is `protected`: y is the input of the slow hit before the latest, one slow period late and "
       "without a path at the same instant, and `initial` at first. Where neither period is a whole multiple of the "
       "other, y is the input at its last hit strictly before now. `mode: direct` takes the present input in all cases.";

@@ -9,9 +9,9 @@
 #include <limits>
 
 #include "engine/analysis/fit_model.h"
-#include "engine/analysis/parallel.h"
 #include "engine/analysis/quantiles.h"
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 #include "engine/block_random.h"
 
 namespace plantloop {

@@ -9,9 +9,9 @@
 #include <cmath>
 #include <mutex>
 
-#include "engine/analysis/parallel.h"
 #include "engine/base/error.h"
 #include "engine/base/numbers.h"
+#include "engine/base/parallel.h"
 #include "engine/block_random.h"
 
 namespace plantloop {

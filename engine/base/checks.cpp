@@ -17,8 +17,12 @@ const std::vector<CheckInfo>& checks() {
        "a predictive controller that did not find its optimum, or could not reach its reference, at some samples"},
       {"mixed-rates", Level::error, "a block without rate reads signals of rates that do not fit together", true},
       {"never-enabled", Level::warning, "a conditional block or subsystem that was not active once in the run"},
+      {"no-rate", Level::error, "a sampled block without a rate, which nothing around it or before it gives", true},
       {"not-a-number", Level::error,
        "a NaN or an infinity in a state, a recorded signal, an event or a condition ends the run", true},
+      {"rate-mix", Level::note,
+       "a sampled block or expression that reads a signal of another rate: at its hits it takes the present value; a "
+       "rate_transition says with which latency"},
       {"restarts", Level::warning, "events make the solver start anew more often than in one of ten steps"},
       {"saturated", Level::warning, "a saturation was at a limit for more than 95 % of the run"},
       {"sizes", Level::error, "signals, parameters and ports whose sizes do not fit", true},
@@ -31,6 +35,7 @@ const std::vector<CheckInfo>& checks() {
       {"unreachable-transition", Level::warning, "a transition with the condition of one that stands before it"},
       {"unused-output", Level::note, "a block whose outputs nobody reads, records, draws or expects"},
       {"zeno", Level::warning, "events followed each other without end, and zeno: says to go on"},
+      {"zero-delay", Level::note, "a delay of 0 s: the output is the input at the same instant"},
   };
   return list;
 }

@@ -96,7 +96,7 @@ class Evaluation final : public Checking {
                find(declared));
   }
   void note(const Declared& declared, std::string_view check, const std::string& text) override {
-    e_.findings.note(mark_of(declared), "{}: {}", title_of(g_, *block_), text).named(std::string(check));
+    e_.findings.check(check, mark_of(declared), "{}: {}", title_of(g_, *block_), text);
   }
 
  private:

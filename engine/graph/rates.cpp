@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -386,6 +387,7 @@ class RateFinding {
   // ---- what is wrong
 
   void verify() {
+    const std::size_t errors = e_.findings.report().error_count();
     for (std::uint32_t i = 0; i < nets_; ++i) {
       GraphNet& net = g_.nets[i];
       if (net.bad || !net.driver || net.by_parameter) continue;
@@ -405,6 +407,55 @@ class RateFinding {
       }
     }
     for (std::uint32_t i = 0; i < g_.blocks.size(); ++i) verify_block(i);
+    if (e_.findings.report().error_count() == errors) note_reads_across();
+  }
+
+  // Rule (c), and blocks of a stated rate: reads across rates are legal without a block between, and seen.
+  void note_reads_across() {
+    struct Reads {
+      std::uint16_t own, other;
+      Mark mark;
+      std::vector<std::string> signals;
+    };
+    std::map<std::string, Reads> by_reader;
+    for (std::uint32_t i = 0; i < nets_; ++i) {
+      const GraphNet& net = g_.nets[i];
+      if (net.bad || !net.driver || net.by_parameter || net.kind == GraphNet::Kind::copies) continue;
+      const bool of_block = net.kind == GraphNet::Kind::block_input;
+      if (of_block && says_how_it_reads(g_.blocks[net.owner])) continue;
+      const GraphRate own = of_block ? g_.blocks[net.owner].rate : net.rate;
+      if (!is_clock(own)) continue;
+      for (std::size_t k = 0; k < net.driver.code->names.size(); ++k) {
+        const Reference& r = g_.references[net.driver.first_reference + k];
+        if (r.kind != Reference::Kind::net) continue;
+        const GraphRate other = g_.nets[r.index].rate;
+        if (!is_clock(other) || other.index == own.index) continue;
+        const std::string name = of_block ? g_.blocks[net.owner].path : path_of(g_, net);
+        Reads& reads = by_reader.try_emplace(name, Reads{own.index, other.index, net.mark, {}}).first->second;
+        const std::string signal = path_of(g_, g_.nets[r.index]);
+        if (std::find(reads.signals.begin(), reads.signals.end(), signal) == reads.signals.end())
+          reads.signals.push_back(signal);
+      }
+    }
+    for (const auto& [name, reads] : by_reader) {
+      const ClockRate &own = g_.rates[reads.own], &other = g_.rates[reads.other];
+      const int order = compare(own.period, other.period);
+      const std::string more =
+          reads.signals.size() > 1 ? fmt::format(", and {} more", reads.signals.size() - 1) : std::string();
+      e_.findings
+          .check("rate-mix", reads.mark, "'{}' runs every {} and {} '{}', which runs every {}{}", name, text_of(own),
+                 order > 0   ? "samples"
+                 : order < 0 ? "holds"
+                             : "reads",
+                 reads.signals.front(), text_of(other), more)
+          .hint("it takes the present value; a rate_transition in between would say with which latency");
+    }
+  }
+  bool is_clock(const GraphRate& rate) const {
+    return rate.kind == GraphRate::Kind::discrete && g_.rates[rate.index].trigger == 0;
+  }
+  static bool says_how_it_reads(const GraphBlock& block) {
+    return block.type && (block.type->name == "rate_transition" || block.type->name == "zero_order_hold");
   }
 
   // Whether a block samples or holds what it reads by a rate of its own.
@@ -484,6 +535,20 @@ class RateFinding {
     if (stated_[index] != 0) return;
     for (std::uint32_t i = 0; i < block.inputs; ++i) {
       if (g_.nets[block.first_input + i].bad) return;
+    }
+    if (block.type->name == "rate_transition") {
+      // That of its input would make it a block without effect.
+      const std::uint16_t readers = clock_of_readers(index);
+      const bool known = readers != 0 && g_.rates[readers].trigger == 0 && readers != block.rate.index;
+      const ClockRate rate = known ? g_.rates[readers] : ClockRate{};
+      e_.findings.error(decl.mark, "{} needs the rate of what reads it", title_of(g_, block))
+          .hint(!known ? std::string("write rate: 0.1 beside type:, the period in s")
+                : rate.offset.is_zero()
+                    ? fmt::format("write rate: {} beside type:", shortest(rate.period.to_double()))
+                    : fmt::format("write rate: {{period: {}, offset: {}}} beside type:",
+                                  shortest(rate.period.to_double()), shortest(rate.offset.to_double())))
+          .named("no-rate");
+      return;
     }
     if (kind == RateKind::discrete && block.rate.kind != GraphRate::Kind::discrete) {
       e_.findings.error(decl.mark, "{} is sampled and needs a rate", title_of(g_, block))

@@ -285,6 +285,11 @@ class Compiler {
       advances.insert(advances.end(), resolved_->advance_inputs[k].begin(), resolved_->advance_inputs[k].end());
     }
     program_->advance_list = plain(advances);
+    for (std::size_t k = 0; k < advance_order_.size(); ++k) {
+      Program::KernelState& kernel = program_->kernels[advance_order_[k]];
+      if (kernel.continuous && kernel.kernel->histories() > 0)
+        kernel.sources = histories_behind(*resolved_, resolved_->advance_inputs[k].front());
+    }
     std::vector<std::uint32_t> unknowns;
     for (std::size_t k = 0; k < recorded_loops_; ++k) {
       const Loop& loop = graph_.loops[k];

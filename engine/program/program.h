@@ -11,6 +11,7 @@
 #include "engine/program/execute.h"
 #include "engine/program/operation_graph.h"
 #include "engine/program/record.h"
+#include "engine/program/smoothing.h"
 
 namespace plantloop {
 
@@ -86,6 +87,9 @@ struct Program {
     std::uint32_t first_history;                    // in the Frame's histories
     std::uint32_t site;
     SlotIndex gate = no_gate;  // goes on only while this slot is not 0
+    // With histories: the kernels with histories whose outputs reach the first input of its advance, and how many
+    // integrations make them smoother on the way.
+    std::vector<Smoothed> sources;
   };
   std::vector<KernelState> kernels;
   // Unknowns that equations determine together; the lists that read them solve them first.

@@ -16,7 +16,7 @@ namespace plantloop {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 // Numbers that are no JSON numbers are texts.
 Json in_json(double v) {
@@ -191,7 +191,9 @@ std::string to_json(const Checkpoint& c) {
                {"was_open", std::vector<int>(c.was_open.begin(), c.was_open.end())},
                {"last_event", in_json(c.last_event)},
                {"quiet_until", in_json(c.quiet_until)},
-               {"in_a_row", c.in_a_row}};
+               {"in_a_row", c.in_a_row},
+               {"sign_when_muted", std::vector<int>(c.sign_when_muted.begin(), c.sign_when_muted.end())},
+               {"still", c.still}};
   json["checksum"] = checksum_of(json);
   return json.dump(1) + "\n";
 }
@@ -238,6 +240,9 @@ CheckpointResult checkpoint_from_json(std::string_view text) {
     c.last_event = numbers(json.at("last_event"));
     c.quiet_until = numbers(json.at("quiet_until"));
     c.in_a_row = json.at("in_a_row").get<std::vector<int>>();
+    for (const int sign : json.at("sign_when_muted").get<std::vector<int>>())
+      c.sign_when_muted.push_back(static_cast<std::int8_t>(sign));
+    c.still = json.at("still").get<std::vector<std::uint32_t>>();
   } catch (const Json::exception&) {
     result.error = "it is damaged: a part of the checkpoint is missing or of another kind";
   }

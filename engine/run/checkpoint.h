@@ -32,6 +32,8 @@ struct Checkpoint {
   // Per event function: its last event and until when it is not looked at (s), and how many came close together.
   std::vector<double> last_event, quiet_until;
   std::vector<int> in_a_row;
+  std::vector<std::int8_t> sign_when_muted;
+  std::vector<std::uint32_t> still;  // the states that a Zeno policy holds
 };
 
 // A number for everything about a program that gives values their place.

@@ -394,6 +394,14 @@ void check_saturations(const CompiledDiagram& built, const RunStatistics& statis
   }
 }
 
+// What was noticed during a run, whether it came to its end or not.
+void tell_findings(const CompiledDiagram& built, const RunStatistics& statistics, Report& report) {
+  for (const std::string& text : statistics.warnings) report.check("zeno", {}, "{}", text);
+  for (const RunFinding& found : statistics.findings)
+    report.check(found.check, built.program->sites[found.site].mark, "{}", found.text);
+  check_saturations(built, statistics, report);
+}
+
 }  // namespace
 
 std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report, const RunControl& control,
@@ -428,18 +436,18 @@ std::optional<DiagramRun> Diagram::run(const RunRequest& request, Report& report
   for (const Override& o : request.set) run.recording.provenance["set " + o.path] = o.text;
   const double simulating = seconds();
   run.timing.compile = simulating - start;
+  RunControl watched = control;
+  watched.until_failure = &run.statistics;
   try {
-    run.statistics = simulate(frame, options, prepared->columns, run.recording, control);
+    run.statistics = simulate(frame, options, prepared->columns, run.recording, watched);
   } catch (...) {
     run.timing.simulate = seconds() - simulating;
+    tell_findings(built, run.statistics, report);
     if (partial != nullptr) *partial = std::move(run);
     throw;
   }
   run.timing.simulate = seconds() - simulating;
-  for (const std::string& text : run.statistics.warnings) report.check("zeno", {}, "{}", text);
-  for (const RunFinding& found : run.statistics.findings)
-    report.check(found.check, built.program->sites[found.site].mark, "{}", found.text);
-  check_saturations(built, run.statistics, report);
+  tell_findings(built, run.statistics, report);
   run.verdicts = judge(*model_, run, baselines);
   return run;
 }

@@ -75,6 +75,7 @@ bool Events::crossing_between(double before, double after) {
       if (!kernels_.none()) kernels_.through(before, at);
       run_.put_states_of(at);
       run_.t = at;
+      run_.restart = false;  // until something that happens here says so
       watch_for_zeno(at);
       event(true);
       return true;
@@ -92,7 +93,7 @@ bool Events::crossing_between(double before, double after) {
 // Beyond the instant at which a kernel's output is not smooth the step used what held before, so that its dense output
 // is bent. The step is taken again, up to there.
 bool Events::step_again(double before, double at) {
-  if (!only_kernels_fired() || before < wanted_stop_) return false;  // once for each such instant
+  if (!only_kernels_fired(fired_) || before < wanted_stop_) return false;  // once for each such instant
   if (at - before < 1e3 * event_tolerance(at, options_.event_tol)) return false;
   wanted_stop_ = at;
   run_.put_states_of(before);
@@ -140,7 +141,7 @@ void Events::watch_for_zeno(double at) {
 void Events::end_zeno(int guard, double at) {
   const auto i = static_cast<std::size_t>(guard);
   const Program::Guard& function = program_.guards[i];
-  const std::string name = function.is_jump ? program_.jumps[function.index].name : mode_name(function.index);
+  const std::string name = name_of(function);
   const std::string what = fmt::format("at time {} s events follow each other without end: {}", at, name);
   if (options_.zeno == "error") {
     throw RunError(what +
@@ -205,8 +206,8 @@ bool Events::a_jump_fired() const {
   });
 }
 
-bool Events::only_kernels_fired() const {
-  return !fired_.empty() && std::all_of(fired_.begin(), fired_.end(), [this](int g) {
+bool Events::only_kernels_fired(const std::vector<int>& fired) const {
+  return !fired.empty() && std::all_of(fired.begin(), fired.end(), [this](int g) {
     const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
     return guard.is_jump && program_.jumps[guard.index].of_kernel;
   });
@@ -216,14 +217,24 @@ std::string Events::names_of_fired() const {
   std::string names;
   for (const int g : fired_) {
     const Program::Guard& guard = program_.guards[static_cast<std::size_t>(g)];
-    const std::string name = guard.is_jump ? program_.jumps[guard.index].name : mode_name(guard.index);
+    const std::string name = name_of(guard);
     if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
   }
   return names;
 }
 
+std::string Events::name_of(const Program::Guard& guard) const {
+  if (!guard.is_jump) return mode_name(guard.index);
+  const Program::Jump& jump = program_.jumps[guard.index];
+  return jump.of_kernel ? fmt::format("what comes out of '{}'", program_.sites[jump.site].path) : jump.name;
+}
+
 std::string Events::mode_name(std::size_t mode) const {
   return program_.sites[program_.resolved->graph.modes[mode].site].path;
+}
+
+bool Events::is_near(double a, double b) const {
+  return std::fabs(a - b) <= 10 * event_tolerance(b, options_.event_tol);
 }
 
 void Events::event(bool located) {
@@ -233,17 +244,19 @@ void Events::event(bool located) {
   }
   run_.clockwork->no_hits();
   // Where only a kernel's output is not smooth, the kernel knows how much.
-  const bool of_kernels = located && only_kernels_fired();
-  const int came_out = of_kernels ? kernels_.broken_by(run_.t) : 0;
+  const bool of_kernels = located && only_kernels_fired(fired_);
+  kernels_.broken_by(run_.t);
   const std::int64_t mode_changes = run_.statistics.mode_changes;
   take_holds(before_event_);
   const Mask bits = settle_events(located ? fired_ : std::vector<int>{}, event_bit);
   run_.triggered = bits & ~event_bit;
   run_.accept_loops();
   rows_.log_right(bits);
-  const bool kinks = !of_kernels || came_out == 0 || run_.restart || run_.statistics.mode_changes != mode_changes;
-  kernels_.after_event(kinks ? 1 : came_out + 1);
+  const bool kinks = !of_kernels || run_.restart || run_.statistics.mode_changes != mode_changes;
+  kernels_.after_event(kinks ? 1 : Break::smooth);
   run_.restart = true;
+  // Where the step was to end is this instant, but for rounding.
+  if (is_near(wanted_stop_, run_.t)) wanted_stop_ = -infinity;
 }
 
 Mask Events::settle_events(std::vector<int> fired, Mask bits) {
@@ -253,7 +266,9 @@ Mask Events::settle_events(std::vector<int> fired, Mask bits) {
       fired_ = fired;
       throw RunError(fmt::format("at time {} s events do not settle: {}", run_.t, names_of_fired()), run_.t);
     }
-    states_changed = jump(fired) || states_changed;
+    // What comes out of a kernel at a located instant changes no state, and the kernel knows how smooth it is.
+    const bool came_out = pass == 0 && only_kernels_fired(fired);
+    states_changed = (jump(fired) && !came_out) || states_changed;
     settle(bits);
     if (program_.guards.empty()) break;
     if (const Mask triggered = trigger(fired); triggered != 0) {
@@ -382,6 +397,8 @@ void Events::save(Checkpoint& checkpoint) const {
   checkpoint.last_event = last_event_;
   checkpoint.quiet_until = quiet_until_;
   checkpoint.in_a_row = in_a_row_;
+  checkpoint.sign_when_muted = sign_when_muted_;
+  checkpoint.still.assign(run_.still.begin(), run_.still.end());
 }
 
 void Events::restore(const Checkpoint& checkpoint) {
@@ -390,6 +407,9 @@ void Events::restore(const Checkpoint& checkpoint) {
   last_event_ = checkpoint.last_event;
   quiet_until_ = checkpoint.quiet_until;
   in_a_row_ = checkpoint.in_a_row;
+  sign_when_muted_ = checkpoint.sign_when_muted;
+  run_.still.assign(checkpoint.still.begin(), checkpoint.still.end());
+  any_muted_ = std::any_of(quiet_until_.begin(), quiet_until_.end(), [](double until) { return until > -infinity; });
 }
 
 void Events::settle(Mask bits) {

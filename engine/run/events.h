@@ -59,8 +59,10 @@ class Events {
   // Whether a function that was not looked at before fires at once.
   bool is_due(const Program::Guard& guard, double value) const;
   bool a_jump_fired() const;
-  bool only_kernels_fired() const;
+  bool only_kernels_fired(const std::vector<int>& fired) const;
+  bool is_near(double a, double b) const;
   std::string names_of_fired() const;
+  std::string name_of(const Program::Guard& guard) const;
   std::string mode_name(std::size_t mode) const;
   void event(bool located);
   bool jump(const std::vector<int>& fired);

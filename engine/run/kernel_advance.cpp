@@ -39,7 +39,7 @@ void KernelAdvance::continuous(bool left, int order) {
     if (!kernel.continuous || !is_on(kernel)) continue;
     KernelCall call = call_of(kernel);
     call.left = left;
-    call.order = order;
+    call.order = left ? Break::smooth : order_at(kernel, order);
     advance(kernel, call);
   }
 }
@@ -92,13 +92,27 @@ double KernelAdvance::next_break() {
 }
 
 int KernelAdvance::broken_by(double t) {
-  int order = Break::smooth;
-  for (const Program::KernelState& kernel : program_.kernels) {
+  came_out_.assign(program_.kernels.size(), Break::smooth);
+  for (std::size_t k = 0; k < program_.kernels.size(); ++k) {
+    const Program::KernelState& kernel = program_.kernels[k];
     if (!kernel.continuous || !is_on(kernel)) continue;
     const Break next = kernel.kernel->next_break(call_of(kernel));
-    if (next.time <= t || is_same_instant(next.time, t)) order = std::min(order, next.order);
+    if (next.time <= t || is_same_instant(next.time, t)) came_out_[k] = next.order;
   }
-  return order;
+  return came_out_.empty() ? Break::smooth : *std::min_element(came_out_.begin(), came_out_.end());
+}
+
+void KernelAdvance::after_event(int order) {
+  continuous(false, order);
+  came_out_.clear();
+}
+
+// What jumps at the input of a kernel when something happens that may make kinks of this order anywhere.
+int KernelAdvance::order_at(const Program::KernelState& kernel, int order) const {
+  for (const Smoothed& source : kernel.sources) {
+    if (source.kernel < came_out_.size()) order = std::min(order, came_out_[source.kernel] + source.integrations);
+  }
+  return order <= solver_order_ ? order : Break::smooth;
 }
 
 double KernelAdvance::longest_step() {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/program/resolve.h"
@@ -49,6 +50,19 @@ class Runner {
                                                          : run_.gap) {}
 
   RunStatistics run() {
+    try {
+      go_through();
+    } catch (...) {
+      finish();
+      if (control_.until_failure != nullptr) *control_.until_failure = run_.statistics;
+      throw;
+    }
+    finish();
+    return run_.statistics;
+  }
+
+ private:
+  void go_through() {
     take_save_times();
     begin();
     while (run_.t < options_.stop && !run_.ended() && !options_.only_start) {
@@ -57,11 +71,8 @@ class Runner {
       advance_to(grid < stop_ && !is_same_instant(grid, stop_) ? grid : stop_);
       if (run_.t >= stop_ && !run_.ended()) at_stop();
     }
-    finish();
-    return run_.statistics;
   }
 
- private:
   // --- the start --------------------------------------------------------------------------------------------------
 
   void begin() {
@@ -356,7 +367,7 @@ class Runner {
       if (options_.output_interval > 0) rows_.log_right(0);
       return;  // else the last row stands already
     }
-    if (came_out == 0) run_.restart = true;
+    const bool was_due = std::exchange(run_.restart, false);  // by something before this stop
     const std::int64_t mode_changes = run_.statistics.mode_changes;
     events_.release();
     bits = events_.settle_events({}, bits);
@@ -366,9 +377,9 @@ class Runner {
     run_.accept_loops();
     rows_.log_right(bits);
     update(bits);
-    const bool kinks =
-        run_.restart || (bits & event_bit) != 0 || run_.statistics.mode_changes != mode_changes || came_out == 0;
-    kernels_.after_event(kinks ? 1 : came_out + 1);
+    const bool kinks = run_.restart || (bits & event_bit) != 0 || run_.statistics.mode_changes != mode_changes;
+    kernels_.after_event(kinks ? 1 : Break::smooth);
+    run_.restart = run_.restart || was_due || came_out == 0;
     run_.statistics.hits += static_cast<std::int64_t>(run_.clockwork->hit_rates().size());
     if (frame_.state_count() > 0)
       ++(run_.restart ? run_.statistics.solver.cold_restarts : run_.statistics.solver.hot_restarts);

@@ -43,6 +43,7 @@ struct RunControl {
   // Where to go on from: options.start is that of the first run. A checkpoint of another structure gives the values of
   // equal paths at its time, and all else starts anew there.
   std::shared_ptr<const struct Checkpoint> from;
+  struct RunStatistics* until_failure = nullptr;  // when the run throws: what was counted and noticed until then
 };
 
 // Something that was noticed during a run; `check` is one of checks().

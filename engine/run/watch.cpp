@@ -168,7 +168,7 @@ void RunWatch::finish(double t, bool whole, RunStatistics& statistics) {
   }
 
   std::map<std::string, std::pair<bool, std::uint32_t>> ran;  // by the conditional part's path: whether it did
-  for (std::size_t j = 0; whole && j < program_.jumps.size(); ++j) {
+  for (std::size_t j = 0; whole && length > 0 && j < program_.jumps.size(); ++j) {
     const Program::Jump& jump = program_.jumps[j];
     const Site& site = program_.sites[jump.site];
     if (site.method != "enable" && site.method != "trigger") continue;

@@ -103,11 +103,7 @@ double Cvode::advance(double t_stop) {
   check(CVodeSetStopTime(memory_.get(), t_stop));
   sunrealtype reached = time();
   const auto one_step = [&] { return CVode(memory_.get(), t_stop, vector_.get(), &reached, CV_ONE_STEP); };
-  int flag = one_step();
-  // CVODE goes on with steps too short to change the time, and only warns. It starts with such steps where a state is
-  // near 0 and changes fast, and then leaves them soon.
-  constexpr int most_short_steps = 20;
-  for (int i = 0; flag == CV_SUCCESS && is_no_progress(reached) && i < most_short_steps; ++i) flag = one_step();
+  const int flag = step_until_progress(one_step, reached, CV_SUCCESS);
   if (flag < 0) fail_with(flag);
   if (flag == CV_TSTOP_RETURN) return t_stop;
   if (is_no_progress(reached)) fail_with(CV_ERR_FAILURE);

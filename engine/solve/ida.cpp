@@ -125,7 +125,10 @@ void Ida::begin(double first_step) {
 double Ida::advance(double t_stop) {
   check(IDASetStopTime(memory_.get(), t_stop));
   sunrealtype reached = time();
-  const int flag = IDASolve(memory_.get(), t_stop, &reached, vector_.get(), rate_.get(), IDA_ONE_STEP);
+  const auto one_step = [&] {
+    return IDASolve(memory_.get(), t_stop, &reached, vector_.get(), rate_.get(), IDA_ONE_STEP);
+  };
+  const int flag = step_until_progress(one_step, reached, IDA_SUCCESS);
   if (flag < 0) fail_with(flag);
   if (flag != IDA_TSTOP_RETURN && is_no_progress(reached)) fail_with(IDA_ERR_FAIL);
   system_.take_algebraic(x() + n_);

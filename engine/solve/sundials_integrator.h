@@ -101,6 +101,17 @@ class SundialsIntegrator : public Integrator {
   }
   // A step as short as this does not change the time.
   bool is_no_progress(double reached) const;
+  // Calls one_step(), which sets `reached` and gives a flag, until the time has changed. The libraries start with
+  // steps too short for that, where a state is near 0 and changes fast or a stop is near, and then leave them soon;
+  // they also go on with such steps for ever where there is no way on. `success` is the flag of an ordinary
+  // step.
+  template <typename Step>
+  int step_until_progress(const Step& one_step, const double& reached, int success) const {
+    constexpr int most_short_steps = 20;
+    int flag = one_step();
+    for (int i = 0; flag == success && is_no_progress(reached) && i < most_short_steps; ++i) flag = one_step();
+    return flag;
+  }
 
   double* x() { return N_VGetArrayPointer(vector_.get()); }
   double time() const { return t_; }

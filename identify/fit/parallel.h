@@ -14,9 +14,10 @@
 
 namespace plantloop::identify {
 
-// Calls work(0), ..., work(count - 1), each once, on at most `threads` threads (0: as many as the machine has). Each
-// piece writes to a place of its own, so the result does not depend on the number of threads. Of several pieces that
-// throw, the exception of the first one is passed on when all have ended; no further ones are begun then.
+// Calls work(0), ..., work(count - 1), each once, on at most `threads` threads (0: as LP_NUM_THREADS says, or as many
+// as the machine has). Each piece writes to a place of its own, so the result does not depend on the number of threads.
+// Of several pieces that throw, the exception of the first one is passed on when all have ended; no further ones are
+// begun then.
 void parallel_for(int count, int threads, const std::function<void(int)>& work);
 
 // The random numbers of start number 0, 1, ... of a fit.

@@ -114,10 +114,10 @@ TEST_F(S14Checkpoint, ThatIsDamagedIsRefused) {
 
 TEST_F(S14Checkpoint, OfAnotherVersionIsRefused) {
   save_half();
-  replace("\"plantloop_checkpoint\": 2", "\"plantloop_checkpoint\": 7");
+  replace("\"plantloop_checkpoint\": 3", "\"plantloop_checkpoint\": 7");
   EXPECT_EQ(
       complaint(),
-      "plantloop: cannot read 'half.json': it was written by another version: its format is 7, this one reads 2\n");
+      "plantloop: cannot read 'half.json': it was written by another version: its format is 7, this one reads 3\n");
 }
 
 TEST_F(S14Checkpoint, ThatIsNotThereOrTooLateIsAnError) {

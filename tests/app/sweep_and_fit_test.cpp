@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "tests/app/program.h"
 
 namespace plantloop::testing_program {
@@ -38,6 +40,11 @@ TEST(SweepCommand, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(one.status, 0) << one.err;
   EXPECT_EQ(one.out, many.out);
   EXPECT_THAT(one.out, StartsWith("point,n,k,x,v\n"));
+  for (const char* number : {"0", "1", "8"}) {
+    setenv("LP_NUM_THREADS", number, 1);
+    EXPECT_EQ(place.run(arguments).out, one.out) << number;
+    unsetenv("LP_NUM_THREADS");
+  }
 }
 
 TEST(SweepCommand, TellsWhichPointsFailedAndKeepsTheOthers) {

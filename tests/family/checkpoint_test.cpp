@@ -107,5 +107,41 @@ simulation: {stop: 4}
   }
 }
 
+// What a delay that varies keeps meets edges, hits, resets and what comes out of it, and a delay that goes to 0.
+TEST(S14EverySolver, GoesOnWithDelaysThatVaryThroughEventsToTheLastBit) {
+  const std::string text = R"(
+blocks:
+  u: {type: pulse, amplitude: 1, period: 0.7, width: 0.15}
+  r: {type: relay, in: y - 0.5, on: 0.2, off: -0.2}
+  s: {type: unit_delay, in: y, initial: 0, rate: 0.13}
+  z: {type: integrator, in: 1, reset: {when: z - 0.61, to: 0}}
+  d: {type: variable_delay, in: {u: u + x, delay: 0.4 + 0.3*sin(3*time)}, initial: 0, shortest: 0.05}
+  e: {type: variable_delay, in: {u: r, delay: 0.5*z}, initial: 0}
+  x: {type: integrator, in: d - x + 0.2*s}
+  y: {type: integrator, in: x - 0.5*y + 0.3*e + 0.5, reset: {when: y - 0.7, to: 0.1*y}}
+simulation: {stop: 6}
+)";
+  for (const SolverInfo& solver : solvers()) {
+    SCOPED_TRACE(solver.name);
+    RunRequest request;
+    request.solver = std::string(solver.name);
+    if (!solver.adaptive) request.step = 0.01;
+    expect_exact(text, request, 3, 6);
+    expect_exact(text, request, 2.217, 6);
+  }
+}
+
+// States that a Zeno policy holds at the save point are still held by the run that goes on.
+TEST(S14Checkpoint, KeepsWhatAZenoPolicyHolds) {
+  const std::string text = R"(
+blocks:
+  h: {type: integrator, in: v, initial: 1, reset: {when: h, edge: falling, to: 0}}
+  v: {type: integrator, in: -9.81, reset: {when: h, edge: falling, to: -0.5*v}}
+  u: {type: sine}
+simulation: {stop: 4, zeno: hold}
+)";
+  expect_exact(text, {}, 3, 4);
+}
+
 }  // namespace
 }  // namespace plantloop::family

@@ -74,6 +74,21 @@ TEST(S17Checks, ThatAreSilencedAreVisibleInTheReport) {
   EXPECT_THAT(o.sarif, HasSubstr(R"("suppressions": [{"kind": "inSource"}])"));
 }
 
+// What was noticed until a run fails is told with the failure: here sqrt of a negative number after 1 s.
+TEST(S17Checks, TellWhatARunNoticedAlsoWhereItFails) {
+  const Outcome o = outcome(R"(
+blocks:
+  y: {type: saturation, in: 5 + time, lower: -1, upper: 1}
+  never: {type: gain, in: time, k: 2, enable: {when: time - 7, initial: 0}}
+  x: {type: integrator, in: y + sqrt(1 - time)}
+simulation: {stop: 10}
+record: [x, never]
+)");
+  EXPECT_FALSE(o.ran);
+  EXPECT_THAT(o.text, AllOf(HasSubstr("t = 1 s"), HasSubstr("warning: 'y' was at a limit for 100 % of the run"),
+                            HasSubstr("warning: 'never' was never active")));
+}
+
 TEST(S17Checks, MustExistAndMustNotBeFixed) {
   EXPECT_THAT(outcome("blocks: {y: 1}\nsimulation: {stop: 1}\nchecks: {unreachable-stat: off}\n").text,
               AllOf(HasSubstr("there is no check 'unreachable-stat'"), HasSubstr("did you mean 'unreachable-state'?")));

@@ -342,5 +342,42 @@ record: [late]
   EXPECT_NEAR(r.at("late", 2.7), 2.2, 1e-9);
 }
 
+// An edge comes out of this delay up to four times. What the delay moves does not lead back into it, so what comes out
+// makes no kinks of its input, and the events stay as few as the edges.
+TEST(S13Delays, ThatGoUpAndDownFastBringEachEdgeOutAFewTimes) {
+  const Signals r = run(R"(
+blocks:
+  u: {type: square, amplitude: 1, period: 0.37}
+  d: {type: variable_delay, in: {u: u, delay: abs(sin(3*time))}, initial: 0}
+  x: {type: integrator, in: d - x}
+simulation: {stop: 10, output_interval: 0.01}
+record: [d, x]
+)");
+  EXPECT_GT(r.whole().statistics.events, 54);
+  EXPECT_LT(r.whole().statistics.events, 54 * 4 + 20);
+  const std::vector<double> d = r.column("d");
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    const double at = r.recording().time()[i] - std::fabs(std::sin(3 * r.recording().time()[i]));
+    const double phase = std::fmod(at, 0.37) / 0.37;
+    if (std::fmin(std::fabs(phase - 0.5), std::fmin(phase, 1 - phase)) < 1e-6) continue;
+    EXPECT_NEAR(d[i], at < 0 ? 0 : phase < 0.5 ? 1 : -1, 1e-12) << r.recording().time()[i];
+  }
+}
+
+// A slope that jumps goes through nine delays without getting smoother, so a step ends where it comes out: the only
+// integration is then exact. u = 0 until 1 s, then t - 1; x = (t - 1 - 9*0.3)^2/2.
+TEST(S13Delays, OneAfterTheOtherKeepTheOrderOfAKink) {
+  std::string text = "blocks:\n  d0: {type: ramp, slope: 1, start: 1}\n";
+  for (int i = 1; i <= 9; ++i) {
+    text += "  d" + std::to_string(i) + ": {type: transport_delay, in: d" + std::to_string(i - 1) +
+            ", delay: 0.3, initial: 0}\n";
+  }
+  text += "  x: {type: integrator, in: d9}\nsimulation: {stop: 6}\nrecord: [x]\n";
+  for (const char* solver : {"dopri5", "bogacki_shampine"}) {
+    const Signals r = run(text, {.rtol = 1e-3, .atol = 1e-3, .solver = solver});
+    EXPECT_NEAR(r.last("x"), 2.3 * 2.3 / 2, 1e-13) << solver;
+  }
+}
+
 }  // namespace
 }  // namespace plantloop::testing_diagrams

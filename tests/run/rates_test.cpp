@@ -15,7 +15,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using ::testing::Not;
 
 // ---- S6: what a block without a rate inherits
 
@@ -63,6 +63,22 @@ blocks:
 simulation: {stop: 1}
 )"),
               HasSubstr("mixed rates: 0.2 s and 0.2 s with offset 0.05 s"));
+}
+
+TEST(S7Rates, ThatAreReadAcrossAreANoteThatAFileMayRaise) {
+  const std::string text = R"(
+blocks:
+  t: {type: clock}
+  fast: {type: zero_order_hold, in: t, rate: 0.1}
+  slow: {type: unit_delay, in: fast, rate: 0.2}
+  both: fast + slow
+simulation: {stop: 1}
+)";
+  EXPECT_THAT(findings(text),
+              AllOf(HasSubstr("note: 'slow' runs every 0.2 s and samples 'fast', which runs every 0.1 s"),
+                    HasSubstr("note: 'both' runs every 0.1 s and holds 'slow', which runs every 0.2 s")));
+  EXPECT_THAT(findings(text + "checks: {rate-mix: error}\n"), HasSubstr("error: 'both' runs every 0.1 s and holds"));
+  EXPECT_THAT(findings(text + "checks: {rate-mix: off}\n"), Not(HasSubstr("runs every")));
 }
 
 TEST(S6Rates, OfContinuousAndSampledInputsTogetherAreContinuousWithHeldValues) {
@@ -175,7 +191,7 @@ record: [slow]
     std::string text = loop;
     return text.replace(text.find("MODE"), 4, mode);
   };
-  EXPECT_THAT(findings(with("protected")), IsEmpty());
+  EXPECT_THAT(findings(with("protected")), Not(HasSubstr("loop")));
   EXPECT_THAT(findings(with("direct")), HasSubstr("loop"));
   // s[k] = (1 + s[k-1])/2.
   const Signals r = run(with("protected"));

@@ -1,6 +1,6 @@
 // Threads that take the next piece until none is left.
 
-#include "engine/analysis/parallel.h"
+#include "engine/base/parallel.h"
 
 #include <algorithm>
 #include <atomic>
