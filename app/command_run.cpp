@@ -18,6 +18,7 @@
 #include "engine/base/files.h"
 #include "engine/run/checkpoint.h"
 #include "engine/run/diagram.h"
+#include "engine/solve/integrator.h"
 #include "render/image.h"
 
 namespace plantloop::app {
@@ -198,6 +199,12 @@ int run_diagram(const RunOptions& o) {
   return written && !report.has_errors() ? done : run_failed;
 }
 
+std::string solver_names() {
+  std::string names;
+  for (const SolverInfo& solver : solvers()) names += (names.empty() ? "" : ", ") + std::string(solver.name);
+  return names;
+}
+
 }  // namespace
 
 }  // namespace plantloop::app
@@ -210,7 +217,7 @@ PLANTLOOP_COMMAND(run) {
   parser.add_option("DIAGRAM", o->file, "the diagram")->required();
   add_set_option(parser, o->set);
   parser.add_option("--stop", o->stop, "stop time in s");
-  parser.add_option("--solver", o->solver, "euler, heun, rk4, bogacki_shampine, dopri5, adams or bdf");
+  parser.add_option("--solver", o->solver, solver_names());
   parser.add_option("--step", o->step, "fixed step in s (euler, heun, rk4; also the other explicit ones)");
   parser.add_option("--rtol", o->rtol, "relative tolerance");
   parser.add_option("--atol", o->atol, "absolute tolerance");

@@ -46,8 +46,20 @@ std::vector<Complex> response(const LinearModel& model, double omega) {
 
 std::vector<double> gains_at_rest(const LinearModel& model) {
   std::vector<double> gains;
-  for (const Complex g : transfer(model.A, model.B, model.C, model.D, model.period > 0 ? 1.0 : 0.0))
+  bool singular = false;
+  for (const Complex g : transfer(model.A, model.B, model.C, model.D, model.period > 0 ? 1.0 : 0.0)) {
     gains.push_back(g.real());
+    singular = singular || !std::isfinite(g.real());
+  }
+  if (!singular) return gains;
+  // A pole at rest may be cancelled by a zero: then the response has a limit, g + a omega^2 + ..., which two slow
+  // frequencies tell (L. F. Richardson).
+  const double slow = 1e-2 * frequencies_for(model, 1).front();
+  const std::vector<Complex> here = response(model, slow), nearer = response(model, slow / 2);
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    const double limit = (4 * nearer[i].real() - here[i].real()) / 3;
+    if (!std::isfinite(gains[i]) && std::abs(nearer[i] - here[i]) <= 1e-3 * std::abs(limit)) gains[i] = limit;
+  }
   return gains;
 }
 

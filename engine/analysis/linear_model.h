@@ -26,7 +26,7 @@ std::vector<std::complex<double>> poles(const LinearModel& model);
 std::vector<std::complex<double>> zeros(const LinearModel& model);
 // From input j to output i at i * inputs + j; omega in rad/s. A sampled model answers at exp(i omega period).
 std::vector<std::complex<double>> response(const LinearModel& model, double omega);
-// C (-A)^-1 B + D, or its sampled counterpart.
+// C (-A)^-1 B + D, or its sampled counterpart; where A is singular the limit, if there is one.
 std::vector<double> gains_at_rest(const LinearModel& model);
 // Frequencies, in rad/s, with equal ratios from a tenth of the slowest to ten times the fastest pole or zero.
 std::vector<double> frequencies_for(const LinearModel& model, std::size_t count);

@@ -54,6 +54,20 @@ std::optional<Wire> find_wire(const Graph& graph, const std::string& path, const
   return std::nullopt;
 }
 
+// The elements of a wire.
+std::vector<const RecordedSignal*> signals_of(const Graph& graph, const Record& record, const Wire& wire) {
+  const std::string whole = path_of(graph, graph.nets[wire.net]);
+  std::vector<const RecordedSignal*> found;
+  // The block that drives an output of the same name is there, too.
+  const auto is_new = [&](const std::string& name) {
+    return std::none_of(found.begin(), found.end(), [&](const RecordedSignal* s) { return s->name == name; });
+  };
+  for (const RecordedSignal& signal : record.signals) {
+    if (wire.means(whole, signal.name) && is_new(signal.name)) found.push_back(&signal);
+  }
+  return found;
+}
+
 HitPattern pattern_of(const Program& program, Report& report) {
   HitPattern pattern;
   if (program.rates.size() < 2) return pattern;
@@ -98,14 +112,8 @@ HitPattern pattern_of(const Program& program, Report& report) {
 
 std::vector<const RecordedSignal*> signals_at(const Graph& graph, const Record& record, const std::string& path,
                                               const char* what, Report& report) {
-  std::vector<const RecordedSignal*> found;
   const auto wire = find_wire(graph, path, what, report);
-  if (!wire) return found;
-  const std::string whole = path_of(graph, graph.nets[wire->net]);
-  for (const RecordedSignal& signal : record.signals) {
-    if (wire->means(whole, signal.name)) found.push_back(&signal);
-  }
-  return found;
+  return wire ? signals_of(graph, record, *wire) : std::vector<const RecordedSignal*>{};
 }
 
 Sensitivity LinearProgram::size() const {
@@ -181,10 +189,9 @@ std::unique_ptr<LinearProgram> make_linear_program(const std::shared_ptr<const M
   CompileOptions compiling;
   compiling.linear = true;
   for (const Wire& wire : output_wires) {
-    for (const RecordedSignal& signal : p->recorded.record.signals) {
-      if (!wire.means(name_of(wire), signal.name)) continue;
-      compiling.watches.push_back(signal.value);
-      p->outputs.push_back(signal.name);
+    for (const RecordedSignal* signal : signals_of(graph, p->recorded.record, wire)) {
+      compiling.watches.push_back(signal->value);
+      p->outputs.push_back(signal->name);
     }
   }
   for (const Wire& wire : open_wires) {

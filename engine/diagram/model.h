@@ -20,7 +20,7 @@ namespace plantloop {
 struct ParameterDecl {
   std::string name;
   Mark mark;            // of the name
-  ExpressionPtr value;  // null for a text
+  ExpressionPtr value;  // null for a text, and in a type where each block of the type must give one
   std::optional<std::string> text;
   std::string unit, doc;
   bool bad = false;  // a finding has been reported

@@ -14,7 +14,7 @@ void refuse_instance_key(const std::string& name, const Mark& mark, std::string_
       .named("name");
 }
 
-void read_long_parameter(const Node& node, ParameterDecl& parameter, Report& report) {
+void read_long_parameter(const Node& node, bool of_type, ParameterDecl& parameter, Report& report) {
   const Section section(node, fmt::format("parameter '{}'", parameter.name), {"value", "unit", "doc", "text"}, report);
   parameter.unit = section.unit("unit");
   parameter.doc = section.text("doc");
@@ -26,6 +26,8 @@ void read_long_parameter(const Node& node, ParameterDecl& parameter, Report& rep
         .named("unknown-key");
   } else if (text) {
     if (require_text(*text, "'text'", report)) parameter.text = plain_text(*text, "'text'", report);
+  } else if (of_type && !value) {
+    return;  // each block of the type gives one
   } else if (section.require("value", parameter.mark, fmt::format("{}: {{value: 1, unit: m}}", parameter.name))) {
     parameter.value = section.expression("value");
   }
@@ -128,7 +130,9 @@ std::vector<ParameterDecl> read_parameters(const Node& node, bool of_type, Repor
     if (named && of_type) refuse_instance_key(parameter.name, parameter.mark, "parameter", report);
     const Node& value = node.items[i];
     if (value.is_mapping()) {
-      read_long_parameter(value, parameter, report);
+      read_long_parameter(value, of_type, parameter, report);
+    } else if (value.kind == Node::Kind::null && of_type) {
+      // Each block of the type gives one.
     } else if (value.kind == Node::Kind::null) {
       report.error(parameter.mark, "parameter '{}' has no value", parameter.name).named("missing-key");
     } else {

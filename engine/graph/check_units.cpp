@@ -438,10 +438,21 @@ class UnitChecks {
     }
   }
 
+  void begins(const RecordedState& state, const UnitFact& own) {
+    const UnitFact start = units_.of(state.initial);
+    if (!start.is_known() || !own.is_known() || !clash(start, own)) return;
+    Finding& finding = findings_.check("unit-clash", record_.sites[state.site].mark,
+                                       "'{}' is in {}, but it begins with a number in {}", state.name,
+                                       unit_text(own.unit), unit_text(start.unit));
+    if (const auto text = conversion("initial", start.unit, own.unit))
+      finding.hint(fmt::format("numbers are never converted: {} would be in {}", *text, unit_text(own.unit)));
+  }
+
   void states() {
     for (const RecordedState& state : record_.states) {
       const UnitFact rate = units_.of(state.derivative), stated = UnitFact::of_text(state.unit);
       const UnitFact integral = times_seconds(rate);
+      begins(state, stated.is_known() ? stated : rate.is_known() ? integral : UnitFact{});
       if (!rate.is_known() || !clash(integral, stated)) continue;
       Finding& finding = findings_.check("unit-clash", record_.sites[state.site].mark,
                                          "'{}' is in {}, but it changes by {} in a second", state.name, state.unit,

@@ -407,7 +407,15 @@ class Instantiation {
       g_.texts[g_.parameters[index].text] = std::move(text);
       return;
     }
-    (void)instance;
+    if (!field && !decl.value && !(given && given->given)) {
+      p.bad = true;
+      const GraphScope& scope = g_.scopes[owner];
+      e_.findings.error(instance, "'{}' ({}) needs a value for '{}'", scope.path, scope.type->name, decl.name)
+          .also(decl.mark, "the type has no default for it")
+          .hint(fmt::format("write {}: ... beside type:", decl.name))
+          .named("missing-parameter");
+      return;
+    }
     // A value given at the instance sees the scope around it, a default sees its own type.
     const ExpressionPtr tree = field ? e_.parse(field->value) : decl.value;
     set_expression(index, tree, field || owner == 0 ? (owner == 0 ? 0 : outside) : owner, given);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include "engine/base/report.h"
@@ -188,10 +189,39 @@ class Compiler {
     return entries;
   }
 
+  // Sites of kernels that answer later to what they are given now, as delays do, and that something reads: derivatives
+  // at one instant do not tell of them.
+  std::set<std::uint32_t> late_kernels() const {
+    std::vector<std::uint32_t> open = resolved_->derivatives;
+    open.insert(open.end(), resolved_->watches.begin(), resolved_->watches.end());
+    open.insert(open.end(), resolved_->nexts.begin(), resolved_->nexts.end());
+    std::vector<bool> seen(graph_.operations.size());
+    std::set<std::uint32_t> sites;
+    while (!open.empty()) {
+      const std::uint32_t id = open.back();
+      open.pop_back();
+      if (seen[id]) continue;
+      seen[id] = true;
+      const Operation& o = graph_.operations[id];
+      if (is_compound(o.op)) {
+        if (o.op == Op::kernel && !record_.kernels[graph_.kernels[o.a].index].advance_inputs.empty())
+          sites.insert(o.site);
+        const auto operands = graph_.operands_of_compound(id);
+        open.insert(open.end(), operands.begin(), operands.end());
+      } else if (!is_leaf(o.op)) {
+        const std::uint32_t operands[] = {o.a, o.b, o.c};
+        open.insert(open.end(), operands, operands + std::min(arity_of(o.op), 3));
+      }
+    }
+    return sites;
+  }
+
   void make_linear() {
     linear_ = linear_partials(*resolved_, record_.states.size(), record_.discretes.size(),
                               {options_.linear_by, options_.linear_open, options_.linear_hits});
-    for (const auto site : linear_.opaque) program_->linear.missing.push_back(record_.sites[site].path);
+    std::set<std::uint32_t> missing = late_kernels();
+    missing.insert(linear_.opaque.begin(), linear_.opaque.end());
+    for (const auto site : missing) program_->linear.missing.push_back(record_.sites[site].path);
     for (const auto id : linear_.held) {
       program_->linear.held_masks.push_back(graph_.operations[id].mask);
       program_->linear.held_names.push_back(record_.sites[graph_.operations[id].site].path);

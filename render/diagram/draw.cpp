@@ -160,7 +160,7 @@ class Drawer {
     const Spot centre{(box.left + box.right) / 2, (box.top + box.bottom) / 2};
     switch (placed.shape) {
       case Shape::circle:
-        draw_circle(group, placed, centre, origin, paper);
+        draw_circle(group, placed, centre, origin);
         return;
       case Shape::bar:
         group.add({Fill{
@@ -175,7 +175,7 @@ class Drawer {
         formula(group, block.formula, centre, signal_, paper);
         break;
       case Shape::gain:
-        draw_gain(group, block, placed, box, centre, paper);
+        draw_gain(group, block, placed, box, centre);
         break;
       case Shape::box:
         outline(group, rounded(box, 4), face_, theme_.text, line_width);
@@ -217,21 +217,28 @@ class Drawer {
                 paper);
   }
 
-  void draw_gain(Group& into, const SheetBlock& block, const PlacedBlock& placed, const Box& box, Spot centre,
-                 Color paper) {
-    (void)paper;
+  void draw_gain(Group& into, const SheetBlock& block, const PlacedBlock& placed, const Box& box, Spot centre) {
     const double back = placed.is_flipped ? box.right : box.left, tip = placed.is_flipped ? box.left : box.right;
     outline(into, {{back, box.top}, {tip, centre.y}, {back, box.bottom}}, face_, theme_.text, line_width);
     const double inward = (tip - back) * 0.36;
     formula(into, block.formula, {back + inward, centre.y}, theme_.text, face_);
   }
 
-  void draw_circle(Group& into, const PlacedBlock& placed, Spot centre, Spot origin, Color paper) {
+  void draw_circle(Group& into, const PlacedBlock& placed, Spot centre, Spot origin) {
     const double r = sheet_style.circle;
     outline(into, rounded({centre.x - r, centre.y - r, centre.x + r, centre.y + r}, r), face_, theme_.text, line_width);
-    (void)paper;
-    // Each sign lies inside, at its wire; drawn as lines, so that it is centred and of one weight.
+    // Each sign lies inside, at its wire; drawn as lines, so that it is centred and of one weight. A circle that only
+    // multiplies has one sign in its middle.
     Stroke signs = line(theme_.text, 1.4);
+    const auto cross = [&](Spot at, double h) {
+      signs.lines.push_back({to_point({at.x - h, at.y - h}), to_point({at.x + h, at.y + h})});
+      signs.lines.push_back({to_point({at.x - h, at.y + h}), to_point({at.x + h, at.y - h})});
+    };
+    const auto has = [&](std::string_view sign) {
+      return std::any_of(placed.inputs.begin(), placed.inputs.end(),
+                         [&](const PlacedPort& p) { return p.text == sign; });
+    };
+    const bool divides = has("÷");
     for (const PlacedPort& port : placed.inputs) {
       const Spot at{origin.x + port.at.x, origin.y + port.at.y};
       const Spot middle{centre.x + (at.x - centre.x) * 0.56, centre.y + (at.y - centre.y) * 0.56};
@@ -244,15 +251,11 @@ class Drawer {
         signs.lines.push_back({to_point({middle.x - h, middle.y}), to_point({middle.x + h, middle.y})});
         for (const double dy : {-3.0, 3.0})
           signs.lines.push_back({to_point({middle.x - 0.8, middle.y + dy}), to_point({middle.x + 0.8, middle.y + dy})});
+      } else if (port.text == "×" && divides) {
+        cross(middle, 2.6);
       }
     }
-    const bool multiplies =
-        std::any_of(placed.inputs.begin(), placed.inputs.end(), [](const PlacedPort& p) { return p.text == "×"; });
-    if (multiplies) {
-      const double h = 4.6;
-      signs.lines.push_back({to_point({centre.x - h, centre.y - h}), to_point({centre.x + h, centre.y + h})});
-      signs.lines.push_back({to_point({centre.x - h, centre.y + h}), to_point({centre.x + h, centre.y - h})});
-    }
+    if (has("×") && !divides) cross(centre, 4.6);
     if (!signs.lines.empty()) into.add({std::move(signs)});
   }
 

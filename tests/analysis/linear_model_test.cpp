@@ -49,6 +49,18 @@ TEST(LinearModel, AnswersAFrequencyAsItsTransferFunctionDoes) {
   EXPECT_NEAR(gains_at_rest(m)[0], 15.0 / 8, 1e-14);
 }
 
+// s^2 (s + 3)/(s^2 (s + 1)(s + 2)): what is cancelled at rest leaves a limit; what is not leaves infinity.
+TEST(LinearModel, HasAGainAtRestWherePolesAtRestAreCancelled) {
+  LinearModel m;
+  m.A = matrix(4, 4, {0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -2, -3});
+  m.B = matrix(4, 1, {0, 0, 0, 1});
+  m.C = matrix(1, 4, {0, 0, 3, 1});
+  m.D = matrix(1, 1, {0});
+  EXPECT_NEAR(gains_at_rest(m)[0], 1.5, 1e-8);
+  m.C = matrix(1, 4, {0, 3, 1, 0});
+  EXPECT_TRUE(std::isinf(gains_at_rest(m)[0])) << gains_at_rest(m)[0];
+}
+
 // Without direct path from input to output, and with one: as many zeros as the numerator has.
 TEST(LinearModel, ZerosAtInfinityDoNotShow) {
   LinearModel m = third_order(1);

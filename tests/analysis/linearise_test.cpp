@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 LinearModel linear(const std::string& text, const LineariseRequest& request, std::string* findings = nullptr) {
   Report report;
@@ -95,6 +96,34 @@ TEST(S16Linearise, ClosedAndOpened) {
   EXPECT_NEAR(opened.A(0, 0), -2, 1e-14);
   EXPECT_NEAR(gains_at_rest(opened)[0], -4, 1e-14);
   EXPECT_EQ(opened.y[0], 4);  // at the operating point of the closed loop
+}
+
+TEST(S16Linearise, DelaysAreNamedSinceTheyAreNotInTheModel) {
+  const std::string delays = R"(
+blocks:
+  u: {type: step}
+  x: {type: first_order, in: u - 0.5*back, tau: 1}
+  back: {type: variable_delay, in: {u: x, delay: 0.5}, longest: 1}
+  d: {type: transport_delay, in: x, delay: 1}
+simulation: {stop: 10}
+)";
+  EXPECT_THAT(linear(delays, {.inputs = {"u"}, .outputs = {"d"}}).without_derivative,
+              UnorderedElementsAre("back", "d"));
+  EXPECT_THAT(linear(delays, {.inputs = {"u"}, .outputs = {"x"}}).without_derivative, ElementsAre("back"));
+}
+
+TEST(S16Linearise, AnOutputThatHasTheNameOfABlockInsideIsOne) {
+  const std::string text = R"(
+types:
+  tank: {inputs: [q], blocks: {h: {type: integrator, in: q - 0.5*h}}, outputs: [h]}
+blocks:
+  q: 0
+  a: {type: tank, in: q}
+simulation: {stop: 10}
+)";
+  const LinearModel m = linear(text, {.inputs = {"q"}, .outputs = {"a.h"}});
+  EXPECT_THAT(m.outputs, ElementsAre("a.h"));
+  EXPECT_NEAR(gains_at_rest(m)[0], 2, 1e-12);
 }
 
 TEST(S16Linearise, ModesAreFrozen) {

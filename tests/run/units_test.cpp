@@ -92,6 +92,15 @@ types:
               AllOf(HasSubstr("the input 'a.force' is in N, but 'f' is in kN"), HasSubstr("write 1000*f")));
 }
 
+TEST(S3Units, OfAStateAreThoseOfItsStart) {
+  const std::string text =
+      "parameters: {l: {value: 5, unit: mm}, v: {value: 1, unit: m/s}}\n"
+      "blocks:\n  x: {type: integrator, in: v, unit: m, initial: l}\n  z: {type: integrator, in: v, initial: "
+      "0.001*l}\n";
+  EXPECT_THAT(check(text), AllOf(HasSubstr("'x' is in m, but it begins with a number in mm"),
+                                 HasSubstr("0.001*initial would be in m"), testing::Not(HasSubstr("'z'"))));
+}
+
 TEST(S3Units, GoThroughGainsSumsProductsAndLags) {
   const std::string head =
       "parameters:\n  k: {value: 2, unit: N/m}\n  x: {value: 1, unit: m}\n  F: {value: 1, unit: N}\n  T: {value: 1, "
