@@ -39,7 +39,7 @@ class Face {
       into.formula = word;
       return;
     }
-    into.formula = in_lines(std::string(b_.type->name));
+    into.formula = in_lines(b_.type->name);
   }
 
  private:
@@ -92,7 +92,7 @@ class Face {
     Report report;
     const ExpressionPtr icon = parse_expression(b_.type->icon, {}, report);
     if (!icon) return in_rows(b_.type->icon);
-    const Formula with_values =
+    Formula with_values =
         formula_of(*icon, [this](const Expression& name, bool is_factor) { return value_of(name, is_factor, true); });
     if (measure(with_values, sheet_style.text).width <= widest) return with_values;
     return formula_of(*icon,
@@ -161,12 +161,12 @@ class Face {
     return g_.texts[b_.first_text];
   }
 
-  static Formula in_lines(std::string words) {
+  static Formula in_lines(std::string_view words) {
     std::vector<Formula> lines;
     std::size_t begin = 0;
     while (begin <= words.size()) {
       const std::size_t end = std::min(words.find('_', begin), words.size());
-      const std::string word = words.substr(begin, end - begin);
+      const std::string word(words.substr(begin, end - begin));
       // Short words share a line.
       if (!lines.empty() && lines.back().text.size() + word.size() < 9) {
         lines.back().text += " " + word;

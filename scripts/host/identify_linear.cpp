@@ -22,7 +22,6 @@ using Eigen::Index;
 using identify::LinearOptions;
 using identify::Orders;
 using identify::PolynomialModel;
-using identify::StateSpaceModel;
 
 // What all fits of polynomials understand beside their orders.
 const std::vector<std::string> common_keys{"delay", "output", "remove_means", "ridge", "iterations"};

@@ -126,7 +126,7 @@ void Sandbox::make_room(lua_State* L, std::size_t bytes) {
   check(L);
 }
 
-void Sandbox::tidy(lua_State* L) {
+void Sandbox::tidy(lua_State* L) const {
   if (bytes_ > most_bytes_ / 2) lua_gc(L, LUA_GCCOLLECT);
 }
 

@@ -33,7 +33,7 @@ class Sandbox {
   // Raises unless that many bytes are free, if need be after collecting garbage.
   void make_room(lua_State* L, std::size_t bytes);
   // Collects garbage when more than half of the memory is taken.
-  void tidy(lua_State* L);
+  void tidy(lua_State* L) const;
   // Bytes outside Lua that live as long as an object of the script: `hold` raises when they do not fit.
   void hold(lua_State* L, std::size_t bytes);
   void release(std::size_t bytes) { bytes_ -= bytes < bytes_ ? bytes : bytes_; }

@@ -33,7 +33,7 @@ void PrintTo(const Problem& p, std::ostream* out) { *out << p.name; }
 using Method = std::vector<double> (*)(const Rates&, std::vector<double>, double, const Tolerances&);
 
 template <typename Equations>
-auto hand_written(Method method, std::vector<double> initial) {
+auto hand_written(Method method, const std::vector<double>& initial) {
   return [=](double stop, const Tolerances& tol) {
     return method([](double t, const double* x, double* rate) { Equations::template rates<double>(t, x, rate); },
                   initial, stop, tol);

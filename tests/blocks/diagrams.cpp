@@ -33,7 +33,7 @@ double Signals::last(const std::string& name) const {
 std::vector<double> Signals::column(const std::string& name) const { return run_.recording.column(index(name)); }
 
 std::vector<double> Signals::samples(const std::string& name) const {
-  const std::vector<double> all = column(name);
+  std::vector<double> all = column(name);
   const int rate = run_.recording.columns[index(name)].rate;
   if (rate == 0) return all;
   std::vector<double> samples;
