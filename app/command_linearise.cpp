@@ -30,6 +30,7 @@ std::string list_of(const std::vector<std::string>& names) {
 }
 
 std::string text_of(const std::string& name, const DenseMatrix& m) {
+  if (m.rows == 0 || m.columns == 0) return fmt::format("{} = none\n", name);
   std::string text = fmt::format("{} =\n", name);
   for (std::size_t i = 0; i < m.rows; ++i) {
     text += "  ";

@@ -80,19 +80,28 @@ class Tester {
   // Prints what happens; the exit status.
   int run(const std::vector<std::string>& files) {
     for (const std::string& file : files) test(file);
-    std::size_t cases = 0, failed = 0;
+    std::size_t cases = 0, failed = 0, broken = 0;
     for (const TestSuite& suite : suites_) {
-      cases += suite.cases.size();
-      for (const TestCase& c : suite.cases) failed += c.outcome != TestCase::passed ? 1 : 0;
+      for (const TestCase& c : suite.cases) {
+        (c.outcome == TestCase::error ? broken : cases) += 1;
+        failed += c.outcome == TestCase::failed ? 1 : 0;
+      }
     }
     if (suites_.empty()) {
       complain("no diagram with an 'expect:' section was found");
       return input_wrong;
     }
-    write_out(fmt::format("{} diagram{}, {} expectation{}, {}\n", suites_.size(), suites_.size() == 1 ? "" : "s", cases,
-                          cases == 1 ? "" : "s", failed == 0 ? "all met" : fmt::format("{} not met", failed)));
+    const auto counted = [](std::size_t n, const char* what) {
+      return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+    };
+    std::string sum = counted(suites_.size(), "diagram");
+    if (broken > 0) sum += fmt::format(", {} did not run", broken);
+    if (cases > 0)
+      sum += fmt::format(", {}, {}", counted(cases, "expectation"),
+                         failed == 0 ? "all met" : fmt::format("{} not met", failed));
+    write_out(sum + "\n");
     if (!options_.junit.empty() && !write_result(options_.junit, to_junit(suites_))) return run_failed;
-    return wrong_ ? input_wrong : failed > 0 ? run_failed : done;
+    return wrong_ ? input_wrong : failed + broken > 0 ? run_failed : done;
   }
 
  private:

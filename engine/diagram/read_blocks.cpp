@@ -261,6 +261,7 @@ std::vector<BlockDecl> read_blocks(Node& node, Report& report) {
     Finding& finding =
         report.error(node.mark, "'blocks' is a mapping from names to blocks, here is {}", describe(node)).named("kind");
     if (node.is_sequence()) finding.hint("every block has a name, and no dash before it: y: {type: gain, in: u}");
+    if (node.is_scalar() && node.text.find(':') != std::string::npos) finding.hint("a space is missing after ':'");
     return blocks;
   }
   blocks.reserve(node.items.size());

@@ -50,6 +50,7 @@ TEST(TestCommand, AWrongDiagramIsAnErrorAndTheOthersRun) {
   EXPECT_THAT(o.out, HasSubstr("did you mean 'first_order'"));
   EXPECT_THAT(o.out, Not(HasSubstr("other.yaml")));
   EXPECT_THAT(o.out, HasSubstr("-      a/types.yaml  nothing expected"));
+  EXPECT_THAT(o.out, HasSubstr("2 diagrams, 1 did not run, 1 expectation, all met\n"));
   const std::string report = place.read("report.xml");
   EXPECT_THAT(report, HasSubstr("<testsuites tests=\"2\" failures=\"0\" errors=\"1\""));
   EXPECT_THAT(report, HasSubstr("<testcase classname=\"a/lag.yaml\" name=\"{signal: x, max: 1}\""));
