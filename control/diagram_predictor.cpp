@@ -54,12 +54,12 @@ bool DiagramPredictor::look_at(std::string& error) {
   };
   if (linear.probes.size() != use_.inputs.size() || linear.outputs.size() != use_.inputs.size() + use_.outputs.size())
     return no("inputs and outputs must be single numbers; name the elements of a vector, as in x.2");
-  if (!program_->linear.missing.empty())
-    return no(fmt::format("the derivative of block '{}' is not known", program_->linear.missing.front()));
   for (const Program::KernelState& kernel : program_->kernels) {
     if (kernel.kernel->state_size() > 0 || kernel.kernel->histories() > 0)
       return no(fmt::format("block '{}' remembers more than states, as delays do", program_->sites[kernel.site].path));
   }
+  if (!program_->linear.missing.empty())
+    return no(fmt::format("the derivative of block '{}' is not known", program_->linear.missing.front()));
   for (const Program::Jump& jump : program_->jumps) {
     if (!jump.of_kernel) return no(fmt::format("'{}' changes states at events", jump.name));
   }
