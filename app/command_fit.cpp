@@ -20,8 +20,8 @@ namespace plantloop::app {
 namespace {
 
 struct FitOptions {
-  std::string file, data, out, solver;
-  std::vector<std::string> set, parameters, bounds, signals, weights;
+  std::string file, out, solver;
+  std::vector<std::string> data, set, set_in, parameters, bounds, signals, weights;
   std::size_t starts = 1, threads = 0;
   std::uint64_t seed = 1;
   double confidence = 95, rtol = NAN;
@@ -68,38 +68,38 @@ bool read_parameters(const FitOptions& o, FitRequest& request) {
 }
 
 // False after complaining.
-bool find_column(const FitOptions& o, const CsvTable& table, const std::string& name, std::size_t& column) {
+bool find_column(const std::string& file, const CsvTable& table, const std::string& name, std::size_t& column) {
   const int found = table.find(name);
   column = static_cast<std::size_t>(std::max(found, 0));
   if (found >= 0) return true;
   Report report;
-  report.error({}, "the data {} have no column '{}'", o.data, name).suggest(name, table.names);
+  report.error({}, "the data {} have no column '{}'", file, name).suggest(name, table.names);
   print(report);
   return false;
 }
 
 // Columns "theta" or, where the file calls it otherwise, "theta=angle"; false after complaining.
-bool choose_columns(const FitOptions& o, const CsvTable& table, FitRequest& request) {
+bool choose_columns(const FitOptions& o, const std::string& file, const CsvTable& table, FitData& data) {
   std::size_t time = 0, column = 0;
-  if (!find_column(o, table, "time", time)) return false;
+  if (!find_column(file, table, "time", time)) return false;
   std::vector<std::string> chosen = o.signals;
   for (std::size_t i = 0; chosen.empty() && i < table.names.size(); ++i) {
-    if (i != time) request.data.columns.push_back({table.names[i], table.columns[i]});
+    if (i != time) data.columns.push_back({table.names[i], table.columns[i]});
   }
   for (const std::string& text : chosen) {
     const auto [signal, rest] = parts_of(text);
-    if (!find_column(o, table, rest.empty() ? signal : rest, column)) return false;
-    request.data.columns.push_back({signal, table.columns[column]});
+    if (!find_column(file, table, rest.empty() ? signal : rest, column)) return false;
+    data.columns.push_back({signal, table.columns[column]});
   }
-  request.data.time = table.columns[time];
+  data.time = table.columns[time];
   for (const std::string& text : o.weights) {
     const auto [signal, rest] = parts_of(text);
     const auto weight = parse_number(rest);
-    const auto it = std::find_if(request.data.columns.begin(), request.data.columns.end(),
+    const auto it = std::find_if(data.columns.begin(), data.columns.end(),
                                  [&signal = signal](const FitData::Column& c) { return c.signal == signal; });
-    if (!weight || it == request.data.columns.end()) {
+    if (!weight || it == data.columns.end()) {
       complain(fmt::format("--weight {}: it must be signal=number with one of the fitted signals, as in --weight {}=10",
-                           text, request.data.columns.empty() ? "y" : request.data.columns.front().signal));
+                           text, data.columns.empty() ? "y" : data.columns.front().signal));
       return false;
     }
     it->weight = *weight;
@@ -107,23 +107,45 @@ bool choose_columns(const FitOptions& o, const CsvTable& table, FitRequest& requ
   return true;
 }
 
-bool read_data(const FitOptions& o, FitRequest& request) {
-  const FileResult file = read_file(o.data);
+bool read_data(const FitOptions& o, const std::string& name, FitData& data) {
+  const FileResult file = read_file(name);
   if (!file.ok()) {
-    complain(fmt::format("cannot read '{}': {}", o.data, file.error));
+    complain(fmt::format("cannot read '{}': {}", name, file.error));
     return false;
   }
   CsvResult read = read_csv(file.value, MissingCells::as_nan);
   if (!read.ok()) {
-    complain(read.line > 0 ? fmt::format("{}:{}:{}: {}", o.data, read.line, read.column, read.error)
-                           : fmt::format("cannot read '{}': {}", o.data, read.error));
+    complain(read.line > 0 ? fmt::format("{}:{}:{}: {}", name, read.line, read.column, read.error)
+                           : fmt::format("cannot read '{}': {}", name, read.error));
     return false;
   }
   if (read.table.columns.size() < 2) {
-    complain(fmt::format("{}: data have a column of times and one or more of signals", o.data));
+    complain(fmt::format("{}: data have a column of times and one or more of signals", name));
     return false;
   }
-  return choose_columns(o, read.table, request);
+  return choose_columns(o, name, read.table, data);
+}
+
+// One experiment for each file; "2:theta.initial=0.3" is set in that of the second file. False after complaining.
+bool read_experiments(const FitOptions& o, FitRequest& request) {
+  request.experiments.clear();
+  for (const std::string& name : o.data) {
+    if (!read_data(o, name, request.experiments.emplace_back().data)) return false;
+  }
+  for (const std::string& text : o.set_in) {
+    const std::size_t colon = text.find(':');
+    const auto number = parse_number(text.substr(0, colon));
+    const auto count = static_cast<double>(o.data.size());
+    if (colon == std::string::npos || !number || !(*number >= 1 && *number <= count) ||
+        *number != std::floor(*number)) {
+      complain(fmt::format("--set-in {}: it must be N:path=expression, where N is the number of a data file, 1 to {}",
+                           text, o.data.size()));
+      return false;
+    }
+    if (!read_overrides({text.substr(colon + 1)}, request.experiments[static_cast<std::size_t>(*number) - 1].set))
+      return false;
+  }
+  return true;
 }
 
 nlohmann::json rows_of(const DenseMatrix& m) {
@@ -153,19 +175,31 @@ std::string json_of(const FitResult& r) {
   }
   json["covariance"] = rows_of(r.covariance);
   json["correlation"] = rows_of(r.correlation);
-  for (const FitResult::Column& c : r.columns) json["signals"][c.signal] = {{"rms", c.rms}, {"values", c.values}};
+  for (const FitResult::Column& c : r.columns) {
+    auto& of = r.experiments > 1 ? json["experiments"][c.experiment]["signals"] : json["signals"];
+    of[c.signal] = {{"rms", c.rms}, {"values", c.values}};
+  }
   return json.dump(2) + "\n";
 }
 
+// The columns of the first experiment; with several the first column is the number of each.
 std::string csv_of(const FitRequest& request, const FitResult& r) {
-  std::string text = "time";
-  for (const FitResult::Column& c : r.columns) text += fmt::format(",{0},{0} fitted", c.signal);
+  const bool several = r.experiments > 1;
+  std::string text = several ? "experiment,time" : "time";
+  for (const FitResult::Column& c : r.columns)
+    if (c.experiment == 0) text += fmt::format(",{0},{0} fitted", c.signal);
   text += "\n";
-  for (std::size_t i = 0; i < request.data.time.size(); ++i) {
-    text += digits17(request.data.time[i]);
-    for (std::size_t c = 0; c < r.columns.size(); ++c)
-      text += "," + digits17(request.data.columns[c].values[i]) + "," + digits17(r.columns[c].fitted[i]);
-    text += "\n";
+  std::size_t first = 0;  // column of the experiment
+  for (std::size_t e = 0; e < r.experiments; ++e) {
+    const FitData& data = request.experiments[e].data;
+    for (std::size_t i = 0; i < data.time.size(); ++i) {
+      if (several) text += fmt::format("{},", e + 1);
+      text += digits17(data.time[i]);
+      for (std::size_t c = 0; c < data.columns.size(); ++c)
+        text += "," + digits17(data.columns[c].values[i]) + "," + digits17(r.columns[first + c].fitted[i]);
+      text += "\n";
+    }
+    first += data.columns.size();
   }
   return text;
 }
@@ -184,7 +218,7 @@ int run_fit(const FitOptions& o) {
   }
   Report report;
   const auto diagram = load_diagram(o.file, report);
-  if (!diagram || !read_data(o, request)) return input_wrong;
+  if (!diagram || !read_experiments(o, request)) return input_wrong;
   request.confidence = o.confidence / 100;
   request.starts = std::max<std::size_t>(o.starts, 1);
   request.seed = o.seed;
@@ -221,7 +255,9 @@ PLANTLOOP_COMMAND(fit) {
       "their confidence intervals and correlations.");
   parser.add_option("DIAGRAM", o->file, "the diagram")->required();
   parser
-      .add_option("DATA", o->data, "a CSV file: a column time and one for each signal; empty cells are missing values")
+      .add_option("DATA", o->data,
+                  "CSV files, one for each experiment: a column time and one for each signal; empty cells are missing "
+                  "values")
       ->required();
   const auto many = [&](const char* name, std::vector<std::string>& into, const char* help, const char* type) {
     return parser.add_option(name, into, help)->allow_extra_args(false)->type_name(type);
@@ -244,6 +280,8 @@ PLANTLOOP_COMMAND(fit) {
   parser.add_option("--threads", o->threads, "at most so many starts at once; 0: LP_NUM_THREADS, or all processors")
       ->capture_default_str();
   add_set_option(parser, o->set);
+  many("--set-in", o->set_in, "as --set, in the experiment of the data file of that number alone, from 1",
+       "N:PATH=EXPRESSION");
   parser.add_option("--solver", o->solver, "as for run");
   parser.add_option("--rtol", o->rtol, "relative tolerance of the runs, 1e-10 where it is not given");
   parser.add_flag("--differences", o->differences, "derivatives by differences, to compare with the exact ones");
@@ -253,6 +291,8 @@ PLANTLOOP_COMMAND(fit) {
       "Exit status 1 when no minimum is reached.\n\n"
       "Examples:\n"
       "  plantloop fit pendulum.yaml swing.csv --parameter length --parameter damping --bound damping=0:1\n"
-      "  plantloop fit tank.yaml log.csv --parameter k=0.4 --signal level=sensor_3 --weight level=50 --out fit.json");
+      "  plantloop fit tank.yaml log.csv --parameter k=0.4 --signal level=sensor_3 --weight level=50 --out fit.json\n"
+      "  plantloop fit pendulum.yaml small.csv large.csv --parameter damping --set-in 1:theta.initial=0.1 --set-in "
+      "2:theta.initial=1.5");
   return [o] { return run_fit(*o); };
 }

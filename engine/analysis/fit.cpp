@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <memory>
+#include <set>
 
 #include "engine/analysis/fit_model.h"
 #include "engine/analysis/quantiles.h"
@@ -38,16 +41,26 @@ double norm(const std::vector<double>& x) {
   return std::sqrt(sum);
 }
 
+// The experiments, each with a run of its own, as functions of the parameters that they share.
+using Models = std::vector<std::unique_ptr<FitModel>>;
+
+// Of each experiment: events have times that move, see FitModel::answer.
+using Moved = std::deque<bool>;
+
 class Search {
  public:
-  Search(const FitModel& model, const FitRequest& request, const FitControl& control)
-      : model_(model), request_(request), control_(control), n_(model.parameters()) {}
+  Search(const Models& models, const FitRequest& request, const FitControl& control)
+      : models_(models),
+        request_(request),
+        control_(control),
+        n_(models.front()->parameters()),
+        moved_(models.size(), false) {}
 
   struct Outcome {
     Point best;
     bool converged = false;
     int iterations = 0;
-    bool moved = false;  // events have times that move: see FitModel::answer
+    Moved moved;
     std::string why;
   };
 
@@ -121,25 +134,25 @@ class Search {
   }
 
   Point at(const std::vector<double>& p) {
-    const FitModel::Answer answer = model_.answer(p, true, control_.cancel, moved_);
-    const std::size_t times = request_.data.time.size();
     Point point;
     point.p = p;
-    std::vector<std::size_t> rows;
-    std::vector<double> weights;
-    for (std::size_t c = 0; c < request_.data.columns.size(); ++c) {
-      const FitData::Column& column = request_.data.columns[c];
-      for (std::size_t i = 0; i < times; ++i) {
-        if (std::isnan(column.values[i])) continue;
-        rows.push_back(c * times + i);
-        weights.push_back(column.weight);
-        point.residuals.push_back(column.weight * (answer.y[rows.back()] - column.values[i]));
-        point.cost += point.residuals.back() * point.residuals.back();
+    std::vector<double> slopes;  // by rows
+    for (std::size_t e = 0; e < models_.size(); ++e) {
+      const FitModel::Answer answer = models_[e]->answer(p, true, control_.cancel, moved_[e]);
+      const FitData& data = models_[e]->data();
+      std::size_t row = 0;
+      for (const FitData::Column& column : data.columns) {
+        for (std::size_t i = 0; i < data.time.size(); ++i, ++row) {
+          if (std::isnan(column.values[i])) continue;
+          point.residuals.push_back(column.weight * (answer.y[row] - column.values[i]));
+          point.cost += point.residuals.back() * point.residuals.back();
+          for (std::size_t k = 0; k < n_; ++k) slopes.push_back(column.weight * answer.slopes(row, k));
+        }
       }
     }
-    point.slopes = DenseMatrix(rows.size(), n_);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      for (std::size_t k = 0; k < n_; ++k) point.slopes(i, k) = weights[i] * answer.slopes(rows[i], k);
+    point.slopes = DenseMatrix(point.residuals.size(), n_);
+    for (std::size_t i = 0; i < point.residuals.size(); ++i)
+      for (std::size_t k = 0; k < n_; ++k) point.slopes(i, k) = slopes[i * n_ + k];
     if (!std::isfinite(point.cost)) throw RunError("the fitted signals are not finite");
     return point;
   }
@@ -219,16 +232,17 @@ class Search {
 
   bool is_small(const std::vector<double>& step, const std::vector<double>& p) const {
     for (std::size_t k = 0; k < n_; ++k) {
-      if (std::fabs(step[k]) > same_step * std::max(std::fabs(p[k]), 1e-3 * std::fabs(model_.start()[k]))) return false;
+      if (std::fabs(step[k]) > same_step * std::max(std::fabs(p[k]), 1e-3 * std::fabs(models_.front()->start()[k])))
+        return false;
     }
     return true;
   }
 
-  const FitModel& model_;
+  const Models& models_;
   const FitRequest& request_;
   const FitControl& control_;
   std::size_t n_;
-  bool moved_ = false;
+  Moved moved_;
   std::vector<std::size_t> free_;
   std::vector<double> scale_;  // of the columns of the slopes, the largest so far
 };
@@ -245,13 +259,22 @@ DenseMatrix scaled_columns(const Point& point, const std::vector<std::size_t>& o
   return scaled;
 }
 
+// Why derivatives are differences in some experiment; "" while they are exact in all.
+std::string differences_of(const Models& models, const Moved& moved) {
+  for (std::size_t e = 0; e < models.size(); ++e) {
+    if (std::string why = models[e]->differences(moved[e]); !why.empty()) return why;
+  }
+  return {};
+}
+
 // False after reporting parameters that change nothing, or that cannot be told apart.
-bool can_be_determined(const FitModel& model, const FitRequest& request, const Search::Outcome& found, Report& report) {
+bool can_be_determined(const Models& models, const FitRequest& request, const Search::Outcome& found, Report& report) {
   const Point& point = found.best;
   const std::size_t errors = report.error_count();
-  std::vector<std::size_t> all(model.parameters());
-  std::vector<std::string> signals;
-  for (const FitData::Column& column : request.data.columns) signals.push_back(column.signal);
+  std::vector<std::size_t> all(request.parameters.size());
+  std::set<std::string> signals;
+  for (const auto& model : models)
+    for (const FitData::Column& column : model->data().columns) signals.insert(column.signal);
   for (std::size_t k = 0; k < all.size(); ++k) {
     all[k] = k;
     bool matters = false;
@@ -263,7 +286,7 @@ bool can_be_determined(const FitModel& model, const FitRequest& request, const S
   if (report.error_count() > errors) return false;
   std::vector<double> lengths;
   const WeakDirection weak = weakest_direction(scaled_columns(point, all, lengths));
-  if (weak.ratio > (model.differences(found.moved).empty() ? not_apart : not_apart_by_differences)) return true;
+  if (weak.ratio > (differences_of(models, found.moved).empty() ? not_apart : not_apart_by_differences)) return true;
   std::vector<std::string> names;
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (std::fabs(weak.direction[k]) > 0.1) names.push_back("'" + request.parameters[k].path + "'");
@@ -310,15 +333,16 @@ void estimate(const FitRequest& request, const Point& best, FitResult& result) {
   }
 }
 
-void describe_columns(const FitModel& model, const FitRequest& request, const Search::Outcome& found,
-                      FitResult& result) {
-  bool moved = found.moved;
+void describe_columns(const FitModel& model, std::size_t experiment, const Search::Outcome& found, FitResult& result) {
+  bool moved = found.moved[experiment];
   const FitModel::Answer answer = model.answer(found.best.p, false, nullptr, moved);
-  const std::size_t times = request.data.time.size();
-  for (std::size_t c = 0; c < request.data.columns.size(); ++c) {
-    const FitData::Column& column = request.data.columns[c];
+  const FitData& data = model.data();
+  const std::size_t times = data.time.size();
+  for (std::size_t c = 0; c < data.columns.size(); ++c) {
+    const FitData::Column& column = data.columns[c];
     FitResult::Column described;
     described.signal = column.signal;
+    described.experiment = experiment;
     double sum = 0;
     for (std::size_t i = 0; i < times; ++i) {
       described.fitted.push_back(answer.y[c * times + i]);
@@ -329,6 +353,23 @@ void describe_columns(const FitModel& model, const FitRequest& request, const Se
     described.rms = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(described.values, 1)));
     result.columns.push_back(std::move(described));
   }
+}
+
+// Nothing after reporting what is wrong.
+std::optional<Models> models_of(const std::shared_ptr<const Model>& model, const FitRequest& request, Report& report) {
+  if (request.experiments.empty()) report.error({}, "there are no data to fit to");
+  Models models;
+  std::size_t values = 0;
+  for (const FitExperiment& experiment : request.experiments) {
+    models.push_back(FitModel::make(model, request, experiment, report));
+    if (!models.back()) return std::nullopt;
+    for (const FitData::Column& column : experiment.data.columns)
+      for (const double v : column.values) values += std::isnan(v) ? 0 : 1;
+  }
+  if (models.empty()) return std::nullopt;
+  if (values >= request.parameters.size()) return models;
+  report.error({}, "{} values cannot determine {} parameters", values, request.parameters.size());
+  return std::nullopt;
 }
 
 // The first start is the given one; the others are drawn.
@@ -356,15 +397,15 @@ std::optional<std::vector<std::vector<double>>> starts_of(const FitModel& model,
 
 std::optional<FitResult> fit(const std::shared_ptr<const Model>& model, const FitRequest& request, Report& report,
                              const FitControl& control) {
-  const auto fitted = FitModel::make(model, request, report);
-  if (!fitted) return std::nullopt;
-  const auto starts = starts_of(*fitted, request, report);
+  const auto models = models_of(model, request, report);
+  if (!models) return std::nullopt;
+  const auto starts = starts_of(*models->front(), request, report);
   if (!starts) return std::nullopt;
   std::vector<std::optional<Search::Outcome>> outcomes(starts->size());
   std::vector<std::exception_ptr> failures(starts->size());
   in_parallel(starts->size(), thread_count(request.threads), [&](std::size_t s) {
     try {
-      outcomes[s] = Search(*fitted, request, control).run((*starts)[s], s == 0);
+      outcomes[s] = Search(*models, request, control).run((*starts)[s], s == 0);
     } catch (const LimitError&) {
       throw;
     } catch (const RunError&) {
@@ -379,7 +420,7 @@ std::optional<FitResult> fit(const std::shared_ptr<const Model>& model, const Fi
   }
   if (best == starts->size()) std::rethrow_exception(failures.front());
   const Search::Outcome& found = *outcomes[best];
-  if (!can_be_determined(*fitted, request, found, report)) return std::nullopt;
+  if (!can_be_determined(*models, request, found, report)) return std::nullopt;
   for (std::size_t k = 0; k < request.parameters.size(); ++k)
     result.parameters.push_back({request.parameters[k].path, (*starts)[best][k]});
   result.cost = found.best.cost;
@@ -387,9 +428,12 @@ std::optional<FitResult> fit(const std::shared_ptr<const Model>& model, const Fi
   result.iterations = found.iterations;
   result.why = found.why;
   estimate(request, found.best, result);
-  describe_columns(*fitted, request, found, result);
-  result.runs = fitted->runs();
-  const std::string differences = fitted->differences(found.moved);
+  result.experiments = models->size();
+  for (std::size_t e = 0; e < models->size(); ++e) {
+    describe_columns(*(*models)[e], e, found, result);
+    result.runs += (*models)[e]->runs();
+  }
+  const std::string differences = differences_of(*models, found.moved);
   result.gradient = differences.empty() ? "exact" : "differences: " + differences;
   return result;
 }

@@ -1,7 +1,7 @@
 // Parameters of a diagram fitted to measured signals.
 //
-// With residuals r_i = w_i (y(t_i; p) - data_i) the sum of their squares is made smallest by the method of Levenberg
-// and Marquardt (J. More, The Levenberg-Marquardt algorithm, 1978), within bounds.
+// With residuals r_i = w_i (y(t_i; p) - data_i) the sum of their squares, over all experiments, is made smallest by the
+// method of Levenberg and Marquardt (J. More, The Levenberg-Marquardt algorithm, 1978), within bounds.
 
 #pragma once
 
@@ -34,10 +34,16 @@ struct FitData {
   std::vector<Column> columns;
 };
 
+// One of several runs that share the fitted parameters: what it sets beside FitRequest::run, and what was measured.
+struct FitExperiment {
+  Overrides set;
+  FitData data;
+};
+
 struct FitRequest {
   RunRequest run;  // set, solver and tolerances; rtol is 1e-10 where it is not given, atol 1e-13
   std::vector<FitParameter> parameters;
-  FitData data;
+  std::vector<FitExperiment> experiments = std::vector<FitExperiment>(1);
   bool absolute = false;  // the weights are those of the true noise; else the residuals tell how strong it is
   double confidence = 0.95;
   std::size_t starts = 1;   // further ones are drawn evenly within the bounds, which must be finite then
@@ -57,13 +63,15 @@ struct FitResult {
   };
   struct Column {
     std::string signal;
+    std::size_t experiment = 0;  // of FitRequest::experiments
     std::size_t values = 0;      // that were not missing
     double rms = 0;              // of y - data, in the signal's unit
     std::vector<double> fitted;  // y at the times of the data
   };
   std::vector<Estimate> parameters;
   DenseMatrix covariance, correlation;  // of the parameters in their order; zero rows for those on a bound
-  std::vector<Column> columns;
+  std::vector<Column> columns;          // by experiments
+  std::size_t experiments = 1;
   double cost = 0;  // sum of the weighted squares
   std::size_t values = 0, degrees = 0;
   bool converged = false;

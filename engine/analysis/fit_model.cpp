@@ -25,18 +25,22 @@ std::string list_of(const std::vector<std::string>& names) { return fmt::format(
 }  // namespace
 
 std::unique_ptr<FitModel> FitModel::make(const std::shared_ptr<const Model>& model, const FitRequest& request,
-                                         Report& report) {
+                                         const FitExperiment& experiment, Report& report) {
   if (model->is_library) {
     report.error({}, "{} is a library: it has types, but no blocks to fit", model->path);
     return nullptr;
   }
-  std::unique_ptr<FitModel> fit(new FitModel(request));
+  std::unique_ptr<FitModel> fit(new FitModel(request, experiment));
   return fit->compile(model, report) ? std::move(fit) : nullptr;
 }
 
 bool FitModel::compile(const std::shared_ptr<const Model>& model, Report& report) {
   const std::size_t errors = report.error_count();
   Overrides set = request_.run.set;
+  for (const Override& own : experiment_.set) {
+    std::erase_if(set, [&](const Override& o) { return o.path == own.path; });
+    set.push_back(own);
+  }
   graph_ = elaborate(model, set, report);
   if (!graph_ || report.error_count() > errors) return false;
   recorded_ = record(*graph_);
@@ -67,13 +71,13 @@ bool FitModel::compile(const std::shared_ptr<const Model>& model, Report& report
   options_.rtol = run.rtol.value_or(fit_rtol);
   options_.atol = run.atol.value_or(1e-3 * options_.rtol);
   if (run.max_step) options_.max_step = *run.max_step;
-  options_.sample_times = request_.data.time;
-  if (request_.data.time.front() < options_.start) {
-    report.error({}, "the data begin at {} s, before the run, which starts at {} s", request_.data.time.front(),
+  options_.sample_times = data().time;
+  if (data().time.front() < options_.start) {
+    report.error({}, "the data begin at {} s, before the run, which starts at {} s", data().time.front(),
                  options_.start);
     return false;
   }
-  options_.stop = std::max(request_.data.time.back(), std::nextafter(options_.start, unbounded));
+  options_.stop = std::max(data().time.back(), std::nextafter(options_.start, unbounded));
   options_.output_interval = options_.stop - options_.start;  // the samples are all that is wanted
 
   for (const RecordedBound& bound : recorded_.bounds) compiling_.numbers.push_back(bound.value);
@@ -136,32 +140,27 @@ bool FitModel::find_parameters(const Overrides& set, Report& report) {
 
 bool FitModel::find_signals(Report& report) {
   const std::size_t errors = report.error_count();
-  const FitData& data = request_.data;
-  if (data.time.empty() || data.columns.empty()) {
+  if (data().time.empty() || data().columns.empty()) {
     report.error({}, "there are no data to fit to");
     return false;
   }
-  for (std::size_t i = 1; i < data.time.size(); ++i) {
-    if (data.time[i] > data.time[i - 1]) continue;
-    report.error({}, "the times of the data must ascend: {} s comes after {} s", data.time[i], data.time[i - 1]);
+  for (std::size_t i = 1; i < data().time.size(); ++i) {
+    if (data().time[i] > data().time[i - 1]) continue;
+    report.error({}, "the times of the data must ascend: {} s comes after {} s", data().time[i], data().time[i - 1]);
     break;
   }
-  std::size_t values = 0;
-  for (const FitData::Column& column : data.columns) {
-    if (column.values.size() != data.time.size())
+  for (const FitData::Column& column : data().columns) {
+    if (column.values.size() != data().time.size())
       report.error({}, "the data of '{}' have {} values, but there are {} times", column.signal, column.values.size(),
-                   data.time.size());
+                   data().time.size());
     if (!(column.weight > 0) || !std::isfinite(column.weight))
       report.error({}, "the weight of '{}' is {}: it must be greater than 0", column.signal, column.weight);
-    for (const double v : column.values) values += std::isnan(v) ? 0 : 1;
     const auto found = signals_at(*graph_, recorded_.record, column.signal, "the signal", report);
     if (found.size() > 1)
       report.error({}, "'{}' has {} elements: each has data of its own, as '{}'", column.signal, found.size(),
                    found.front()->name);
     if (found.size() == 1) compiling_.watches.push_back(found.front()->value);
   }
-  if (report.error_count() == errors && values < request_.parameters.size())
-    report.error({}, "{} values cannot determine {} parameters", values, request_.parameters.size());
   return report.error_count() == errors;
 }
 
@@ -194,13 +193,13 @@ std::vector<double> FitModel::run(const Program& program, const std::vector<doub
   control.cancel = cancel;
   const RunStatistics statistics = simulate(frame, options_, std::vector<RecordedColumn>(watches), recording, control);
   moved = statistics.events > 0 && !limits_.moving_guards.empty();
-  const std::size_t times = request_.data.time.size();
+  const std::size_t times = data().time.size();
   std::vector<double> values(watches * times, std::nan(""));
   auto sample = recording.samples.begin();
   for (std::size_t i = 0; i < times; ++i) {
-    while (sample != recording.samples.end() && sample->time < request_.data.time[i]) ++sample;
-    if (sample == recording.samples.end() || sample->time != request_.data.time[i] || sample->right.empty())
-      throw RunError(fmt::format("the run ended before {} s, where there are data", request_.data.time[i]));
+    while (sample != recording.samples.end() && sample->time < data().time[i]) ++sample;
+    if (sample == recording.samples.end() || sample->time != data().time[i] || sample->right.empty())
+      throw RunError(fmt::format("the run ended before {} s, where there are data", data().time[i]));
     for (std::size_t w = 0; w < watches; ++w) values[w * times + i] = sample->right[w];
   }
   return values;
@@ -208,7 +207,7 @@ std::vector<double> FitModel::run(const Program& program, const std::vector<doub
 
 FitModel::Answer FitModel::by_sensitivities(const std::vector<double>& p, const std::atomic<bool>* cancel,
                                             bool& moved) const {
-  const std::size_t n = outputs(), watches = request_.data.columns.size();
+  const std::size_t n = outputs(), watches = data().columns.size();
   std::vector<double> values = run(*exact_, p, watches * (1 + slots_.size()), cancel, moved);
   Answer answer{{values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n)}, DenseMatrix(n, slots_.size())};
   for (std::size_t k = 0; k < slots_.size(); ++k) {
@@ -218,7 +217,7 @@ FitModel::Answer FitModel::by_sensitivities(const std::vector<double>& p, const 
 }
 
 FitModel::Answer FitModel::by_differences(const std::vector<double>& p, const std::atomic<bool>* cancel) const {
-  const std::size_t n = outputs(), watches = request_.data.columns.size();
+  const std::size_t n = outputs(), watches = data().columns.size();
   bool moved = false;
   Answer answer{run(*plain_, p, watches, cancel, moved), DenseMatrix(n, slots_.size())};
   for (std::size_t k = 0; k < slots_.size(); ++k) {
@@ -248,7 +247,7 @@ FitModel::Answer FitModel::answer(const std::vector<double>& p, bool slopes, con
   }
   if (slopes) return by_differences(p, cancel);
   bool ignored = false;
-  return {run(*plain_, p, request_.data.columns.size(), cancel, ignored), {}};
+  return {run(*plain_, p, data().columns.size(), cancel, ignored), {}};
 }
 
 }  // namespace plantloop

@@ -1,5 +1,5 @@
-// A diagram as a function of some of its parameters: the fitted signals at the times of the data, and their
-// derivatives.
+// A diagram as a function of some of its parameters: in each experiment the fitted signals at the times of the data,
+// and their derivatives.
 
 #pragma once
 
@@ -16,13 +16,14 @@ namespace plantloop {
 
 class FitModel {
  public:
-  // Null after reporting what is wrong.
+  // Of one experiment of the request; null after reporting what is wrong.
   static std::unique_ptr<FitModel> make(const std::shared_ptr<const Model>& model, const FitRequest& request,
-                                        Report& report);
+                                        const FitExperiment& experiment, Report& report);
 
   std::size_t parameters() const { return slots_.size(); }
-  std::size_t outputs() const { return request_.data.time.size() * request_.data.columns.size(); }
+  std::size_t outputs() const { return data().time.size() * data().columns.size(); }
   const std::vector<double>& start() const { return start_; }
+  const FitData& data() const { return experiment_.data; }
 
   struct Answer {
     std::vector<double> y;  // by columns of the data: all times of the first, then of the second, ...
@@ -36,7 +37,7 @@ class FitModel {
   int runs() const { return runs_; }
 
  private:
-  explicit FitModel(const FitRequest& request) : request_(request) {}
+  FitModel(const FitRequest& request, const FitExperiment& experiment) : request_(request), experiment_(experiment) {}
   bool compile(const std::shared_ptr<const Model>& model, Report& report);
   bool find_parameters(const Overrides& set, Report& report);
   bool find_signals(Report& report);
@@ -47,6 +48,7 @@ class FitModel {
   Answer by_differences(const std::vector<double>& p, const std::atomic<bool>* cancel) const;
 
   const FitRequest& request_;
+  const FitExperiment& experiment_;
   std::shared_ptr<const Graph> graph_;
   RecordedGraph recorded_;
   SimulationOptions options_;

@@ -36,9 +36,11 @@ std::string to_text(const FitResult& result, double confidence) {
       text += "\n";
     }
   }
-  for (const FitResult::Column& column : result.columns)
+  for (const FitResult::Column& column : result.columns) {
+    if (result.experiments > 1) text += fmt::format("experiment {}: ", column.experiment + 1);
     text += fmt::format("'{}' is met within {:.4g} (root mean square of {} values)\n", column.signal, column.rms,
                         column.values);
+  }
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "engine/program/resolve.h"
@@ -181,6 +182,39 @@ Origin find_origin(const Frame& frame, std::uint32_t root) {
           path_of(frame, o.site)};
 }
 
+struct Beyond {
+  Origin origin;
+  std::string state;  // whose derivative is not finite
+};
+
+// A step may end in nothing because no derivative exists right behind its start: looks there, along the present slopes.
+Beyond origin_beyond(const Frame& frame, double t) {
+  const Program& program = *frame.program;
+  Frame beyond(frame);
+  const auto slopes_at = [&](double time) {
+    beyond.arena[program.time] = time;
+    KernelFrame kernels = beyond.kernel_frame(true);
+    execute(program.derivative_list, beyond.arena, &kernels);
+    return std::vector<double>(beyond.arena + program.derivative_list.roots.front(),
+                               beyond.arena + program.derivative_list.roots.front() + beyond.state_count());
+  };
+  try {
+    const std::vector<double> slope = slopes_at(t);
+    const std::vector<double> start(beyond.states(), beyond.states() + beyond.state_count());
+    for (double h = 1e-15; h < 1e-6; h *= 10) {
+      const double ahead = h * std::fmax(1.0, std::fabs(t));
+      for (std::size_t i = 0; i < start.size(); ++i) beyond.states()[i] = start[i] + ahead * slope[i];
+      const std::vector<double> there = slopes_at(t + ahead);
+      const auto bad = std::find_if(there.begin(), there.end(), [](double v) { return !std::isfinite(v); });
+      if (bad == there.end()) continue;
+      const auto place = static_cast<std::size_t>(bad - there.begin());
+      return {find_origin(beyond, program.resolved->derivatives[program.state_at[place]]), program.state_names[place]};
+    }
+  } catch (const RunError&) {  // a loop without solution there
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string number_in_words(double value) {
@@ -200,9 +234,15 @@ RunError not_finite(const Frame& frame, std::uint32_t root, const std::string& w
 }
 
 RunError solver_failed(const Frame& frame, std::uint32_t derivative, const RunError& error, const std::string& state) {
-  const Origin origin = find_origin(frame, derivative);
+  Origin origin = find_origin(frame, derivative);
   std::string text = fmt::format("{}\n  state '{}'", error.what(), state);
-  if (!origin.text.empty()) text += ": its derivative is not finite; " + origin.text;
+  if (!origin.text.empty()) {
+    text += ": its derivative is not finite; " + origin.text;
+  } else if (Beyond beyond = origin_beyond(frame, error.time()); !beyond.origin.text.empty()) {
+    text +=
+        fmt::format("\n  right behind it the derivative of '{}' is not finite; {}", beyond.state, beyond.origin.text);
+    origin = std::move(beyond.origin);
+  }
   return RunError(text, error.time(), origin.place.empty() ? state : origin.place);
 }
 

@@ -109,20 +109,20 @@ DiagramObject& diagram_option(lua_State* L, const Options& options, const char* 
   return *diagram;
 }
 
+// The table of overrides on top of the stack, put over those that are known.
+void take_overrides(lua_State* L, Overrides& set) {
+  for (const std::string& path : names_of(L, "set", "{k = 2}")) {
+    lua_getfield(L, -1, path.c_str());
+    const std::string text = take_expression(L, path);
+    std::erase_if(set, [&](const Override& o) { return o.path == path; });
+    set.push_back({path, text});
+  }
+}
+
 RunRequest run_options(lua_State* L, const Options& options, const DiagramObject& diagram) {
   RunRequest run{.set = diagram.set};
   if (options.push("set")) {
-    for (const std::string& path : names_of(L, "set", "{k = 2}")) {
-      lua_getfield(L, -1, path.c_str());
-      const std::string text = take_expression(L, path);
-      const auto known =
-          std::find_if(run.set.begin(), run.set.end(), [&](const Override& o) { return o.path == path; });
-      if (known != run.set.end()) {
-        known->text = text;
-      } else {
-        run.set.push_back({path, text});
-      }
-    }
+    take_overrides(L, run.set);
     lua_pop(L, 1);
   }
   run.start = options.number("start");
@@ -246,37 +246,57 @@ void read_bounds(lua_State* L, const Options& options, std::vector<FitParameter>
   lua_pop(L, 1);
 }
 
-FitData data_of(lua_State* L, const Options& options) {
-  constexpr const char* example = "{time = t, y = y}";
-  FitData data;
-  if (!options.push("data"))
-    throw ScriptError(fmt::format("'data' is a table of vectors by signal, with the times, as in {}", example));
+// Vectors by signal with the times, and of several experiments `set`, in the table on top of the stack.
+FitExperiment experiment_of(lua_State* L, bool several) {
+  const char* const example = several ? "{time = t, y = y, set = {k = 2}}" : "{time = t, y = y}";
+  FitExperiment experiment;
   bool has_time = false;
   for (const std::string& name : names_of(L, "data", example)) {
     lua_getfield(L, -1, name.c_str());
-    std::vector<double> values = numbers_argument(L, -1, "data of " + name);
-    lua_pop(L, 1);
-    if (name == "time") {
+    if (several && name == "set") {
+      take_overrides(L, experiment.set);
+    } else if (std::vector<double> values = numbers_argument(L, -1, "data of " + name); name == "time") {
       has_time = true;
-      data.time = std::move(values);
+      experiment.data.time = std::move(values);
     } else {
-      data.columns.push_back({name, std::move(values)});
+      experiment.data.columns.push_back({name, std::move(values)});
     }
+    lua_pop(L, 1);
   }
-  lua_pop(L, 1);
   if (!has_time) throw ScriptError(fmt::format("'data' has no 'time'; it is as in {}", example));
-  if (!options.push("weights")) return data;
+  return experiment;
+}
+
+// One experiment, or a list of them.
+std::vector<FitExperiment> experiments_of(lua_State* L, const Options& options) {
+  if (!options.push("data"))
+    throw ScriptError("'data' is a table of vectors by signal, with the times, as in {time = t, y = y}");
+  std::vector<FitExperiment> experiments;
+  const lua_Integer count = lua_istable(L, -1) ? luaL_len(L, -1) : 0;
+  for (lua_Integer i = 1; i <= count; ++i) {
+    lua_rawgeti(L, -1, i);
+    experiments.push_back(experiment_of(L, true));
+    lua_pop(L, 1);
+  }
+  if (count == 0) experiments.push_back(experiment_of(L, false));
+  lua_pop(L, 1);
+  if (!options.push("weights")) return experiments;
   for (const std::string& name : names_of(L, "weights", "{y = 10}")) {
-    const auto it = std::find_if(data.columns.begin(), data.columns.end(),
-                                 [&](const FitData::Column& c) { return c.signal == name; });
-    if (it == data.columns.end()) throw ScriptError(fmt::format("'weights' has '{}', which is not in the data", name));
     if (lua_getfield(L, -1, name.c_str()) != LUA_TNUMBER)
       throw ScriptError(fmt::format("the weight of '{}' is a number, here is {}", name, describe(L, -1)));
-    it->weight = lua_tonumber(L, -1);
+    bool known = false;
+    for (FitExperiment& experiment : experiments) {
+      for (FitData::Column& column : experiment.data.columns) {
+        if (column.signal != name) continue;
+        column.weight = lua_tonumber(L, -1);
+        known = true;
+      }
+    }
+    if (!known) throw ScriptError(fmt::format("'weights' has '{}', which is not in the data", name));
     lua_pop(L, 1);
   }
   lua_pop(L, 1);
-  return data;
+  return experiments;
 }
 
 void set_matrix(lua_State* L, const char* key, const DenseMatrix& m) {
@@ -316,18 +336,22 @@ void push_result(lua_State* L, const FitResult& r, double confidence) {
   lua_setfield(L, -2, "parameters");
   set_matrix(L, "covariance", r.covariance);
   set_matrix(L, "correlation", r.correlation);
-  lua_newtable(L);
-  for (const FitResult::Column& c : r.columns) {
-    lua_pushnumber(L, c.rms);
-    lua_setfield(L, -2, c.signal.c_str());
-  }
-  lua_setfield(L, -2, "rms");
-  lua_newtable(L);
-  for (const FitResult::Column& c : r.columns) {
-    push_vector(L, c.fitted);
-    lua_setfield(L, -2, c.signal.c_str());
-  }
-  lua_setfield(L, -2, "fitted");
+  // By signal; of several experiments a list of such tables.
+  const auto by_signal = [&](const char* key, auto push) {
+    lua_newtable(L);
+    for (std::size_t e = 0; e < r.experiments; ++e) {
+      if (r.experiments > 1) lua_newtable(L);
+      for (const FitResult::Column& c : r.columns) {
+        if (c.experiment != e) continue;
+        push(c);
+        lua_setfield(L, -2, c.signal.c_str());
+      }
+      if (r.experiments > 1) lua_rawseti(L, -2, static_cast<lua_Integer>(e) + 1);
+    }
+    lua_setfield(L, -2, key);
+  };
+  by_signal("rms", [&](const auto& c) { lua_pushnumber(L, c.rms); });
+  by_signal("fitted", [&](const auto& c) { push_vector(L, c.fitted); });
   push_vector(L, r.costs);
   lua_setfield(L, -2, "costs");
   number("cost", r.cost);
@@ -349,7 +373,7 @@ int fit_diagram(lua_State* L) {
   request.run = run_options(L, options, self);
   request.parameters = parameters_of(L, options);
   read_bounds(L, options, request.parameters);
-  request.data = data_of(L, options);
+  request.experiments = experiments_of(L, options);
   request.absolute = options.flag("absolute");
   request.differences = options.flag("differences");
   request.confidence = options.number("confidence").value_or(request.confidence);
@@ -388,12 +412,13 @@ Entries study_functions() {
        "runs for every combination of the grid, each row of the list and each draw, the last one fastest, on threads; "
        "a list of tables with `set`, and `run` or `failure`"},
       {"fit", guarded<fit_diagram>,
-       "options: {diagram: pl.Diagram, parameters: table, bounds?: table<string, table>, data: table<string, "
-       "pl.Vector>, weights?: table<string, number>, absolute?: boolean, confidence?: number, starts?: integer, seed?: "
+       "options: {diagram: pl.Diagram, parameters: table, bounds?: table<string, table>, data: table, weights?: "
+       "table<string, number>, absolute?: boolean, confidence?: number, starts?: integer, seed?: "
        "integer, threads?: integer, differences?: boolean, set?: table<string, number|string>, start?: number, step?: "
        "number, solver?: string, rtol?: number, atol?: number, max_step?: number}",
        "table",
-       "parameters fitted to data by least squares: values, deviations, intervals, covariance, correlation, fitted, "
+       "parameters fitted to data by least squares; data is {time = t, y = y}, or a list of such tables, one for each "
+       "experiment, with a set of its own: values, deviations, intervals, covariance, correlation, fitted, "
        "rms, report, derivatives, converged, why"},
   };
 }

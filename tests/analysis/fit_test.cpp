@@ -69,20 +69,21 @@ double lag_at(double k, double tau, double x0, double t) { return k + (x0 - k) *
 TEST(Fit, OfALineIsLinearRegressionWithItsCovariance) {
   FitRequest request;
   request.parameters = {{"a", {}}, {"b", {}}};
-  request.data.time = grid(0, 1, 21);
+  request.experiments[0].data.time = grid(0, 1, 21);
   int i = 0;
-  request.data.columns = {data_of("y", request.data.time, [&](double t) { return 2 - 3 * t + 0.1 * noise(i++); })};
+  request.experiments[0].data.columns = {
+      data_of("y", request.experiments[0].data.time, [&](double t) { return 2 - 3 * t + 0.1 * noise(i++); })};
   const FitResult r = fitted(line, request);
-  const auto& y = request.data.columns[0].values;
+  const auto& y = request.experiments[0].data.columns[0].values;
   double t1 = 0, t2 = 0, y1 = 0, ty = 0;
   const double n = 21;
   for (std::size_t j = 0; j < y.size(); ++j) {
-    const double t = request.data.time[j];
+    const double t = request.experiments[0].data.time[j];
     t1 += t, t2 += t * t, y1 += y[j], ty += t * y[j];
   }
   const double determinant = n * t2 - t1 * t1, b = (n * ty - t1 * y1) / determinant, a = (y1 - b * t1) / n;
   double squares = 0;
-  for (std::size_t j = 0; j < y.size(); ++j) squares += std::pow(a + b * request.data.time[j] - y[j], 2);
+  for (std::size_t j = 0; j < y.size(); ++j) squares += std::pow(a + b * request.experiments[0].data.time[j] - y[j], 2);
   const double variance = squares / (n - 2);
   EXPECT_TRUE(r.converged) << r.why;
   EXPECT_EQ(r.gradient, "exact");
@@ -101,9 +102,9 @@ TEST(Fit, WithTheTrueWeightsHasTheCovarianceThatTheyGive) {
   FitRequest request;
   request.parameters = {{"a", {}}, {"b", {}}};
   request.absolute = true;
-  request.data.time = {0, 1, 2};
-  request.data.columns = {data_of(
-      "y", request.data.time, [](double t) { return 1 + t; }, 1 / 0.1)};
+  request.experiments[0].data.time = {0, 1, 2};
+  request.experiments[0].data.columns = {data_of(
+      "y", request.experiments[0].data.time, [](double t) { return 1 + t; }, 1 / 0.1)};
   const FitResult r = fitted(line, request);
   // (X'X)^-1 = [5 -3; -3 3]/6 times 0.1^2.
   EXPECT_NEAR(r.covariance(0, 0), 0.01 * 5 / 6, 1e-14);
@@ -114,8 +115,9 @@ TEST(Fit, WithTheTrueWeightsHasTheCovarianceThatTheyGive) {
 TEST(Fit, WithoutNoiseFindsTheParametersAgain) {
   FitRequest request;
   request.parameters = {{"k", {}}, {"tau", {}}, {"x.initial", 0.5}};
-  request.data.time = grid(0.1, 5, 25);
-  request.data.columns = {data_of("x", request.data.time, [](double t) { return lag_at(2.5, 0.7, -1, t); })};
+  request.experiments[0].data.time = grid(0.1, 5, 25);
+  request.experiments[0].data.columns = {
+      data_of("x", request.experiments[0].data.time, [](double t) { return lag_at(2.5, 0.7, -1, t); })};
   for (const char* solver : {"dopri5", "bdf", "adams"}) {
     request.run.solver = solver;
     const FitResult r = fitted(lag, request);
@@ -127,12 +129,55 @@ TEST(Fit, WithoutNoiseFindsTheParametersAgain) {
   }
 }
 
+// A line measured in two pieces, the second one lifted by 5, is one regression.
+TEST(Fit, OfSeveralExperimentsIsTheRegressionOfAllTheirData) {
+  const char* const lifted = R"(
+parameters: {a: 0, b: 0, c: 0}
+blocks: {y: a + b*time + c}
+simulation: {stop: 5}
+)";
+  FitRequest whole;
+  whole.parameters = {{"a", {}}, {"b", {}}};
+  whole.experiments[0].data = {{0, 1, 2, 3, 4}, {{"y", {1, 2.5, 2, 4, 4.2}}}};
+  FitRequest parts = whole;
+  parts.experiments = {{{{"c", "0"}}, {{0, 1}, {{"y", {1, 2.5}}}}}, {{{"c", "5"}}, {{2, 3, 4}, {{"y", {7, 9, 9.2}}}}}};
+  const FitResult one = fitted(lifted, whole), two = fitted(lifted, parts);
+  EXPECT_EQ(two.values, 5U);
+  EXPECT_EQ(two.degrees, 3U);
+  EXPECT_NEAR(two.cost, one.cost, 1e-12);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(two.parameters[k].value, one.parameters[k].value, 1e-12);
+    for (std::size_t j = 0; j < 2; ++j) EXPECT_NEAR(two.covariance(k, j), one.covariance(k, j), 1e-12);
+  }
+  // Slope of the five points: sum((t - 2)(y - mean))/10 = 0.79.
+  EXPECT_NEAR(two.parameters[1].value, 0.79, 1e-12);
+  ASSERT_EQ(two.columns.size(), 2U);
+  EXPECT_EQ(two.columns[1].experiment, 1U);
+  EXPECT_NEAR(two.columns[1].fitted[0] - 5, one.columns[0].fitted[2], 1e-12);
+}
+
+// Each has its own initial value and its own times; neither tells k and tau alone.
+TEST(Fit, OfSeveralExperimentsSharesTheParameters) {
+  FitRequest request;
+  request.parameters = {{"k", {}}, {"tau", {}}};
+  request.experiments.resize(2);
+  request.experiments[0].set = {{"x.initial", "-1"}};
+  request.experiments[0].data.time = {1.5};
+  request.experiments[0].data.columns = {{"x", {lag_at(2.5, 0.7, -1, 1.5)}}};
+  request.experiments[1].set = {{"x.initial", "4"}};
+  request.experiments[1].data.time = {0.4};
+  request.experiments[1].data.columns = {{"x", {lag_at(2.5, 0.7, 4, 0.4)}}};
+  const FitResult r = fitted(lag, request);
+  EXPECT_NEAR(r.parameters[0].value, 2.5, 1e-8);
+  EXPECT_NEAR(r.parameters[1].value, 0.7, 1e-8);
+}
+
 TEST(Fit, LeavesMissingValuesOutAndWeighsSignals) {
   FitRequest request;
   request.parameters = {{"a", {}}};
-  request.data.time = {0, 1, 2};
+  request.experiments[0].data.time = {0, 1, 2};
   const std::string text = "parameters: {a: 1}\nblocks: {y: a, z: a}\nsimulation: {stop: 1}\n";
-  request.data.columns = {{"y", {1, NAN, 1}, 1}, {"z", {4, 4, NAN}, 2}};
+  request.experiments[0].data.columns = {{"y", {1, NAN, 1}, 1}, {"z", {4, 4, NAN}, 2}};
   // 2 (a - 1) + 4*2 (a - 4) = 0.
   EXPECT_NEAR(fitted(text, request).parameters[0].value, 3.4, 1e-10);  // it stands to 11 digits
 }
@@ -140,8 +185,9 @@ TEST(Fit, LeavesMissingValuesOutAndWeighsSignals) {
 TEST(Fit, StopsAtABoundAndSaysSo) {
   FitRequest request;
   request.parameters = {{"a", 0, -1, 1.5}, {"b", 0, -10, 10}};
-  request.data.time = grid(0, 1, 5);
-  request.data.columns = {data_of("y", request.data.time, [](double t) { return 2 - 3 * t; })};
+  request.experiments[0].data.time = grid(0, 1, 5);
+  request.experiments[0].data.columns = {
+      data_of("y", request.experiments[0].data.time, [](double t) { return 2 - 3 * t; })};
   const FitResult r = fitted(line, request);
   EXPECT_TRUE(r.converged);
   EXPECT_EQ(r.parameters[0].value, 1.5);
@@ -156,8 +202,9 @@ TEST(Fit, FindsTheLowestOfSeveralMinimaFromManyStarts) {
   const std::string text = "parameters: {w: 1}\nblocks: {y: sin(w*time)}\nsimulation: {stop: 1}\n";
   FitRequest request;
   request.parameters = {{"w", 4, 3, 12}};
-  request.data.time = grid(0, 5, 60);
-  request.data.columns = {data_of("y", request.data.time, [](double t) { return std::sin(7.25 * t); })};
+  request.experiments[0].data.time = grid(0, 5, 60);
+  request.experiments[0].data.columns = {
+      data_of("y", request.experiments[0].data.time, [](double t) { return std::sin(7.25 * t); })};
   EXPECT_GT(fitted(text, request).cost, 1);
   request.starts = 30;
   FitResult first;
@@ -182,7 +229,7 @@ record: [angle]
 )";
   const auto diagram = diagram_of(text);
   FitRequest request;
-  request.data.time = grid(0.05, 6, 120);
+  request.experiments[0].data.time = grid(0.05, 6, 120);
   Report report;
   RunRequest truth;
   truth.set = {{"length", "1.1"}, {"damping", "0.31"}};
@@ -190,8 +237,9 @@ record: [angle]
   const auto run = diagram->run(truth, report);
   ASSERT_TRUE(run);
   int i = 0;
-  request.data.columns = {
-      data_of("angle", request.data.time, [&](double t) { return run->recording.value(0, t) + 0.01 * noise(i++); })};
+  request.experiments[0].data.columns = {data_of("angle", request.experiments[0].data.time, [&](double t) {
+    return run->recording.value(0, t) + 0.01 * noise(i++);
+  })};
   request.parameters = {{"length", {}, 0.1, 5}, {"damping", {}, 0, 5}};
   const FitResult r = fitted(text, request);
   EXPECT_EQ(r.gradient, "exact");
@@ -211,14 +259,14 @@ void expect_exact_slopes(const std::string& text, const std::vector<std::pair<st
   request.run.atol = 1e-14;
   request.run.solver = solver;
   for (const auto& [path, value] : at) request.parameters.push_back({path, value});
-  request.data.time = {0, 0.4, 1, 1.7, 3};
-  for (const std::string& signal : signals) request.data.columns.push_back({signal, {0, 0, 0, 0, 0}});
+  request.experiments[0].data.time = {0, 0.4, 1, 1.7, 3};
+  for (const std::string& signal : signals) request.experiments[0].data.columns.push_back({signal, {0, 0, 0, 0, 0}});
   Report report;
-  const auto model = FitModel::make(diagram_of(text)->model_pointer(), request, report);
+  const auto model = FitModel::make(diagram_of(text)->model_pointer(), request, request.experiments[0], report);
   ASSERT_NE(model, nullptr) << to_text(report);
   FitRequest plain = request;
   plain.differences = true;
-  const auto by_runs = FitModel::make(diagram_of(text)->model_pointer(), plain, report);
+  const auto by_runs = FitModel::make(diagram_of(text)->model_pointer(), plain, plain.experiments[0], report);
   bool moved = false;
   const FitModel::Answer exact = model->answer(model->start(), true, nullptr, moved);
   EXPECT_EQ(model->differences(moved), "");
@@ -311,8 +359,8 @@ simulation: {stop: 1, rtol: 1e-10}
 )";
   FitRequest request;
   request.parameters = {{"e", {}, 0.1, 1}, {"g", {}, 1, 20}};
-  request.data.time = grid(0.02, 0.8, 40);
-  request.data.columns = {data_of("h", request.data.time, [](double t) {
+  request.experiments[0].data.time = grid(0.02, 0.8, 40);
+  request.experiments[0].data.columns = {data_of("h", request.experiments[0].data.time, [](double t) {
     const double g = 9.81, e = 0.8, hit = std::sqrt(2 / g), s = t - hit;
     return s < 0 ? 1 - 0.5 * g * t * t : e * g * hit * s - 0.5 * g * s * s;
   })};
@@ -325,8 +373,9 @@ simulation: {stop: 1, rtol: 1e-10}
 TEST(FitDerivatives, OfTheTimeOfAStepAreDifferences) {
   FitRequest request;
   request.parameters = {{"start", {}}};
-  request.data.time = grid(0, 3, 31);
-  request.data.columns = {data_of("x", request.data.time, [](double t) { return std::max(0.0, t - 1.33); })};
+  request.experiments[0].data.time = grid(0, 3, 31);
+  request.experiments[0].data.columns = {
+      data_of("x", request.experiments[0].data.time, [](double t) { return std::max(0.0, t - 1.33); })};
   const FitResult r = fitted(
       "parameters: {start: 1}\nblocks:\n  u: {type: step, time: start}\n  x: {type: integrator, in: u}\n"
       "simulation: {stop: 3}\n",
@@ -340,8 +389,8 @@ TEST(FitDerivatives, OfTheTimeOfAStepAreDifferences) {
 FitRequest line_request() {
   FitRequest request;
   request.parameters = {{"a", {}}};
-  request.data.time = {0, 1, 2};
-  request.data.columns = {{"y", {1, 2, 3}}};
+  request.experiments[0].data.time = {0, 1, 2};
+  request.experiments[0].data.columns = {{"y", {1, 2, 3}}};
   return request;
 }
 
@@ -372,17 +421,17 @@ TEST(FitFindings, SpeakOfNamesBoundsAndData) {
   request.parameters = {{"a", {}}, {"a", {}}};
   EXPECT_EQ(said(line, request), "error: the fit has 'a' twice\n");
   request = line_request();
-  request.data.columns[0].signal = "w";
+  request.experiments[0].data.columns[0].signal = "w";
   EXPECT_THAT(said(line, request), StartsWith("error: the signal 'w' is no signal of the diagram\n"));
   request = line_request();
-  request.data.columns[0].values.pop_back();
+  request.experiments[0].data.columns[0].values.pop_back();
   EXPECT_EQ(said(line, request), "error: the data of 'y' have 2 values, but there are 3 times\n");
   request = line_request();
-  request.data.time = {0, 2, 1};
+  request.experiments[0].data.time = {0, 2, 1};
   EXPECT_EQ(said(line, request), "error: the times of the data must ascend: 1 s comes after 2 s\n");
   request = line_request();
   request.parameters = {{"a", {}}, {"b", {}}};
-  request.data.columns[0].values = {1, NAN, NAN};
+  request.experiments[0].data.columns[0].values = {1, NAN, NAN};
   EXPECT_EQ(said(line, request), "error: 1 values cannot determine 2 parameters\n");
   request = line_request();
   request.starts = 3;
@@ -390,7 +439,7 @@ TEST(FitFindings, SpeakOfNamesBoundsAndData) {
             "error: further starts are drawn within the bounds: 'a' needs a lower and an upper one\n");
   request = line_request();
   request.parameters = {{"x.initial", {}}};
-  request.data.columns[0].signal = "x";
+  request.experiments[0].data.columns[0].signal = "x";
   EXPECT_THAT(said("parameters: {a: 1}\nblocks: {x: {type: integrator, in: a, initial: 2*a}}\nsimulation: {stop: 1}\n",
                    request),
               HasSubstr("needs a start value"));

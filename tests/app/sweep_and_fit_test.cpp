@@ -78,6 +78,23 @@ TEST(SweepCommand, SaysWhatIsWrong) {
 constexpr const char* data =
     "time,x\n0.2,0.98903986189108239\n0.5,1.896361676485673\n0.8,\n1,2.5939941502901616\n2,2.945053083333798\n";
 
+TEST(FitCommand, TakesSeveralExperimentsWithValuesOfTheirOwn) {
+  const Workplace place;
+  place.write("line.yaml",
+              "plantloop: 1\nparameters: {a: 0, b: 0, c: 0}\nblocks: {y: a + b*time + c}\nsimulation: {stop: 5}\n");
+  place.write("one.csv", "time,y\n0,1\n1,2.5\n");
+  place.write("two.csv", "time,y\n2,7\n3,9\n4,9.2\n");
+  const std::string arguments = "fit line.yaml one.csv two.csv --parameter a --parameter b ";
+  const Outcome o = place.run(arguments + "--set-in 2:c=5 --out fit.csv");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.out, AllOf(HasSubstr("0.79"), HasSubstr("experiment 1: 'y' is met within"),
+                           HasSubstr("experiment 2: 'y' is met within")));
+  EXPECT_THAT(place.read("fit.csv"),
+              AllOf(StartsWith("experiment,time,y,y fitted\n1,0,1,"), HasSubstr("\n2,4,9.1999999999999993,9.32")));
+  EXPECT_THAT(place.run(arguments + "--set-in 3:c=5").err,
+              HasSubstr("--set-in 3:c=5: it must be N:path=expression, where N is the number of a data file, 1 to 2"));
+}
+
 TEST(FitCommand, TellsEstimatesAndWritesThem) {
   const Workplace place;
   place.write("lag.yaml", lag);

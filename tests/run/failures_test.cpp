@@ -42,6 +42,22 @@ record: [outflow]
               AllOf(HasSubstr("'outflow'"), HasSubstr("sqrt(-"), HasSubstr("block 'root'"), HasSubstr("test.yaml:6:")));
 }
 
+// The slope of y grows without end, but exists, until x is 0; behind it there is no root.
+TEST(S18NotANumber, RightBehindTheLastStepIsNamed) {
+  for (const char* solver : {"dopri5", "bdf"}) {
+    const std::string text = error_of(std::string(R"yaml(
+blocks:
+  x: {type: integrator, in: -1, initial: 1}
+  s: sqrt(x)
+  l: log(s) + 1
+  y: {type: integrator, in: l}
+simulation: {stop: 3, solver: )yaml") +
+                                      solver + "}\nrecord: [y]\n");
+    EXPECT_THAT(text, AllOf(HasSubstr("right behind it the derivative of 'y' is not finite"), HasSubstr("sqrt(-"),
+                            HasSubstr("in block 's' (test.yaml:5:")));
+  }
+}
+
 TEST(S18NotANumber, ADivisionByZeroIsNamed) {
   const std::string text = error_of(R"yaml(
 blocks:

@@ -56,6 +56,18 @@ print(fit.converged, fit.derivatives, ("%.8f"):format(fit.values.tau), fit.rms.y
             "true\texact\t0.70000000\ttrue\t15\ttau");
 }
 
+TEST_F(Studies, AFitSharesParametersBetweenExperiments) {
+  EXPECT_EQ(printed(with_lag(R"lua(
+local line = pl.diagram "plantloop: 1\nparameters: {a: 0, b: 0, c: 0}\nblocks: {y: a + b*time + c}\nsimulation: {stop: 5}\n"
+local fit = pl.fit{diagram = line, parameters = {"a", "b"}, weights = {y = 2}, data = {
+  {time = {0, 1}, y = {1, 2.5}, set = {c = 0}},
+  {time = {2, 3, 4}, y = {7, 9, 9.2}, set = {c = 5}},
+}}
+print(("%.9f"):format(fit.values.b), #fit.fitted, #fit.fitted[2].y, fit.rms[1].y < 1)
+)lua")),
+            "0.790000000\t2\t3\ttrue");
+}
+
 TEST_F(Studies, SayWhatIsWrong) {
   EXPECT_THAT(complaint(with_lag("pl.sweep{grid = {tau = {1}}}")), HasSubstr("'diagram' must be a diagram"));
   EXPECT_THAT(complaint(with_lag("pl.sweep{diagram = lag, grid = {1}}")), HasSubstr("'grid' has entries by path"));
