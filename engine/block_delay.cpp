@@ -130,7 +130,8 @@ class PastSignal final : public Kernel {
   // end where the value or the slope jumps; the error control of the solver bears the others.
   static bool is_crowded(const KernelCall& call) {
     const History& breaks = call.history[1];
-    return !breaks.time.empty() && call.time - breaks.time.back() < 1e-4 * call.in[1];
+    const double near = std::fmax(1e-4 * call.in[1], 1e-7 * std::fmax(1, std::fabs(call.time)));
+    return !breaks.time.empty() && call.time - breaks.time.back() < near;
   }
 
   // How many breaks have come out at the time of the call. A delay that varies is compared exactly, as the crossings of
