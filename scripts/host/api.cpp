@@ -21,8 +21,8 @@ std::vector<TypeInfo> make_api() {
   return {
       {"pl",
        "Plantloop for experiments: local pl = require \"plantloop\"",
-       all_of({diagram_functions(), study_functions(), figure_functions(), file_functions(), vector_makers(),
-               elementwise_functions(), reductions(), series_functions(), matrix_functions()}),
+       all_of({diagram_functions(), study_functions(), tuning_functions(), figure_functions(), file_functions(),
+               vector_makers(), elementwise_functions(), reductions(), series_functions(), matrix_functions()}),
        {{"project", "string",
          "the project's folder: the nearest one upwards from the script with .git or plantloop.yaml"},
         {"pi", "number", "3.14159..."},

@@ -44,7 +44,9 @@ Entries vector_methods();
 Entries diagram_functions();
 Entries diagram_methods();
 Entries analysis_methods();  // of diagrams, too
+Entries velocity_methods();  // of diagrams: families of models in velocity form
 Entries study_functions();   // sweeps and fits
+Entries tuning_functions();  // controllers from models and step tests
 Entries run_methods();
 Entries figure_functions();
 Entries figure_methods();

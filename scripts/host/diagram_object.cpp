@@ -260,6 +260,7 @@ Entries diagram_methods() {
        "the same diagram with other values of parameters"},
   };
   for (const Entry& entry : analysis_methods()) methods.push_back(entry);
+  for (const Entry& entry : velocity_methods()) methods.push_back(entry);
   return methods;
 }
 

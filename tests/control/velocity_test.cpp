@@ -1,0 +1,73 @@
+// Velocity-form models as blocks, and what the velocity form is for: gains that change do not move the control signal.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/blocks/diagrams.h"
+
+namespace plantloop::testing_diagrams {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(VelocityModel, IsTheLagOfTheFilteredInput) {
+  // w' = -2 w + 2 ud, y' = w: y follows uf with the time constant 0.5, and uf follows the step with 1/N.
+  const Signals r =
+      run("blocks:\n"
+          "  u: {type: step, time: 0, before: 0, after: 3}\n"
+          "  y: {type: velocity_model, model: tests/blocks/models/velocity_model.yaml, in: u, point: 2, N: 40}\n"
+          "  uf: {type: first_order, in: u, tau: 1/40}\n"
+          "  lag: {type: first_order, in: uf, tau: 0.5}\n"
+          "  error: y - lag\n"
+          "simulation: {stop: 4, rtol: 1e-9}\nrecord: [error, y]\n");
+  EXPECT_LT(r.greatest("error"), 1e-7);
+  EXPECT_NEAR(r.last("y"), 3, 1e-2);
+}
+
+TEST(VelocityBlend, DividesItsWeightsByTheirSum) {
+  const auto last = [](const std::string& weights) {
+    return run("blocks:\n  y: {type: velocity_blend, model: tests/blocks/models/velocity_blend.yaml, in: {u: "
+               "sin(time), "
+               "weights: " +
+               weights + "}}\nsimulation: {stop: 3, rtol: 1e-9}\nrecord: [y]\n")
+        .last("y");
+  };
+  EXPECT_NEAR(last("[1, 3]"), last("[0.25, 0.75]"), 1e-9);
+  EXPECT_GT(std::abs(last("[1, 0]") - last("[0, 1]")), 0.01);
+}
+
+TEST(VelocityForm, GainsThatJumpDoNotMoveTheControlSignal) {
+  // Three conventional and velocity controllers with equal gains, which are doubled at 2 s while the error is not 0.
+  const Signals r =
+      run("blocks:\n"
+          "  gain: {type: step, time: 2, before: 1, after: 2}\n"
+          "  e: 1 + 0.3*sin(3*time)\n"
+          "  conventional: {type: pi, in: {e: e, kp: 4*gain, ki: gain}}\n"
+          "  velocity: {type: velocity_pi, in: {e: e, k0: 4*gain, k1: gain}, p: 200}\n"
+          "simulation: {stop: 4, rtol: 1e-9}\nrecord: [e, conventional, velocity]\n");
+  const double error = r.at("e", 2);
+  EXPECT_NEAR(r.at("conventional", 2) - r.at("conventional", 2, true), 4 * error, 1e-6);
+  EXPECT_NEAR(r.at("velocity", 2) - r.at("velocity", 2, true), 0, 1e-12);
+}
+
+TEST(VelocityBlend, SaysWhatDoesNotFit) {
+  EXPECT_THAT(
+      findings("blocks:\n  y: {type: velocity_blend, model: tests/blocks/models/velocity_blend.yaml, in: {u: 1, "
+               "weights: [1, 2, 3]}}\nsimulation: {stop: 1}\n"),
+      HasSubstr("the file has 2 points, but there are 3 weights"));
+  EXPECT_THAT(
+      findings("blocks:\n  y: {type: velocity_model, model: tests/blocks/models/velocity_model.yaml, in: 1, point: 3}\n"
+               "simulation: {stop: 1}\n"),
+      HasSubstr("the file has 2 points, there is no number 3"));
+  EXPECT_THAT(
+      findings(
+          "blocks:\n  y: {type: velocity_model, model: tests/blocks/models/narx.yaml, in: 1}\nsimulation: {stop: 1}\n"),
+      HasSubstr("a model of type 'mlp' is no velocity_family"));
+}
+
+}  // namespace
+}  // namespace plantloop::testing_diagrams
