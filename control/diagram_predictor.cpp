@@ -75,7 +75,10 @@ bool DiagramPredictor::look_at(std::string& error) {
 
   linear.evaluate_outputs();
   for (std::size_t i = 0; i < use_.inputs.size(); ++i) base_.push_back(linear.output(use_.outputs.size() + i));
-  for (int i = 0; i < states_; ++i) start_.push_back(linear.frame->arena[state_slot(i)]);
+  // A hit at the start has updated sampled states already.
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    start_.push_back(linear.frame->arena[period_ > 0 ? program_->initial_list.roots[continuous + i]
+                                                     : state_slot(static_cast<int>(i))]);
   return true;
 }
 

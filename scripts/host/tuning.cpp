@@ -103,7 +103,7 @@ int lambda_tuning(lua_State* L) {
   lua_newtable(L);
   set_number(L, "kp", kp);
   set_number(L, "ki", kp / ti);
-  set_number(L, "kd", kp * td);
+  set_number(L, "kd", td == 0 ? 0 : kp * td);
   return 1;
 }
 

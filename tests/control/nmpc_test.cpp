@@ -420,6 +420,12 @@ TEST(Nmpc, ASampledDiagramIsAModelToo) {
       "simulation: {stop: 20}\nrecord: [y, c.status, c.cost]\n");
   EXPECT_NEAR(r.samples("y").back(), 0.8, 1e-6);
   EXPECT_EQ(r.greatest("c.status"), 0);
+  // The model begins where its diagram does: with u = 0 the next output is 0.2 - tanh(0.2)/2 + 0.1^2.
+  const Signals first = run(
+      "blocks:\n"
+      "  c: {type: nmpc, rate: 0.4, model: tests/control/models/sampled.yaml, input: u, output: y, in: {w: 0, y: 0.2}, "
+      "horizon: 1, lower: 0, upper: 0, correction: false}\nsimulation: {stop: 0.1}\nrecord: [c.cost]\n");
+  EXPECT_NEAR(first.samples("c.cost")[0], std::pow(0.2 - 0.5 * std::tanh(0.2) + 0.01, 2), 1e-12);
 }
 
 TEST(Nmpc, AMeasuredStateLeavesNoOffsetAlthoughTheModelIsWrong) {

@@ -18,7 +18,7 @@ TEST(VelocityModel, IsTheLagOfTheFilteredInput) {
   // w' = -2 w + 2 ud, y' = w: y follows uf with the time constant 0.5, and uf follows the step with 1/N.
   const Signals r =
       run("blocks:\n"
-          "  u: {type: step, time: 0, before: 0, after: 3}\n"
+          "  u: {type: step, time: 0.5, before: 0, after: 3}\n"
           "  y: {type: velocity_model, model: tests/blocks/models/velocity_model.yaml, in: u, point: 2, N: 40}\n"
           "  uf: {type: first_order, in: u, tau: 1/40}\n"
           "  lag: {type: first_order, in: uf, tau: 0.5}\n"
@@ -41,7 +41,7 @@ TEST(VelocityBlend, DividesItsWeightsByTheirSum) {
 }
 
 TEST(VelocityForm, GainsThatJumpDoNotMoveTheControlSignal) {
-  // Three conventional and velocity controllers with equal gains, which are doubled at 2 s while the error is not 0.
+  // A conventional and a velocity controller with equal gains, which are doubled at 2 s while the error is not 0.
   const Signals r =
       run("blocks:\n"
           "  gain: {type: step, time: 2, before: 1, after: 2}\n"
