@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "app/command.h"
+#include "app/progress.h"
 #include "scripts/host/host.h"
 
 PLANTLOOP_COMMAND(script) {
@@ -36,6 +37,14 @@ PLANTLOOP_COMMAND(script) {
       options.max_instructions = static_cast<std::int64_t>(std::min(o->max_instructions, 1e18));
     options.cancel = &interrupted;
     options.colour = is_terminal(STDERR_FILENO);
+    Progress progress(true);
+    options.progress = [&progress](const std::string&, double fraction) {
+      if (fraction < 1) {
+        progress(fraction);
+      } else {
+        progress.restart();
+      }
+    };
     return run_script(o->file, o->arguments, options);
   };
 }

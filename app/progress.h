@@ -19,6 +19,9 @@ class Progress {
   ~Progress() { clear(); }
   void operator()(double fraction) {
     if (!wanted_ || now() - start_ < 1) return;
+    const int percent = static_cast<int>(fraction * 100);
+    if (shown_ && percent == percent_) return;
+    percent_ = percent;
     constexpr int width = 40;
     const int full = static_cast<int>(fraction * width);
     fmt::print(stderr, "\r[{}{}] {:3.0f} %", std::string(static_cast<std::size_t>(full), '#'),
@@ -30,6 +33,11 @@ class Progress {
     if (shown_) fmt::print(stderr, "\r{}\r", std::string(50, ' '));
     shown_ = false;
   }
+  // For what comes next.
+  void restart() {
+    clear();
+    start_ = now();
+  }
 
  private:
   static double now() {
@@ -37,6 +45,7 @@ class Progress {
   }
   bool wanted_;
   bool shown_ = false;
+  int percent_ = 0;
   double start_;
 };
 

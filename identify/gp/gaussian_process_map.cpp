@@ -124,6 +124,18 @@ std::shared_ptr<const Approximator> read_gaussian_process(const Item& item) {
   return std::make_shared<GpMap>(std::move(processes), std::move(x), std::move(y));
 }
 
+std::shared_ptr<const GpMap> with_measurements(const GpMap& map, const MatrixXd& X, const MatrixXd& Y) {
+  if (X.rows() != Y.rows() || X.cols() != map.inputs() || Y.cols() != map.outputs())
+    fail("the measurements are {} x {} and {} x {}; the model has {} inputs and {} outputs", X.rows(), X.cols(),
+         Y.rows(), Y.cols(), map.inputs(), map.outputs());
+  const MatrixXd x = map.x_scaling().normalised(X), y = map.y_scaling().normalised(Y);
+  std::vector<GaussianProcess> processes = map.processes();
+  for (std::size_t o = 0; o < processes.size(); ++o) {
+    for (Index k = 0; k < x.rows(); ++k) processes[o].add(x.row(k).transpose(), y(k, static_cast<Index>(o)));
+  }
+  return std::make_shared<const GpMap>(std::move(processes), map.x_scaling(), map.y_scaling());
+}
+
 GpMapFit fit_gp_map(const MatrixXd& X, const MatrixXd& Y, const GpOptions& options, int most,
                     const FitControl& control) {
   if (Y.cols() == 0) fail("there is no target");

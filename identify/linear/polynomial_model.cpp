@@ -2,6 +2,7 @@
 
 #include "identify/linear/polynomial_model.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -155,7 +156,32 @@ std::size_t match(const PolynomialModel& model, const DataSet& data) {
   fail("the data have no output '{}'", model.output.name);
 }
 
-Series simulate(const PolynomialModel& model, const DataSet& data, Start start) {
+namespace {
+
+// What the past before the first sample adds to `from_rest`: responses to impulses at the first samples, as many as the
+// order, span it.
+VectorXd of_the_past(const VectorXd& denominator, const VectorXd& measured, const VectorXd& from_rest, Index samples) {
+  const Index order = denominator.size() - 1, all = from_rest.size();
+  const VectorXd h = impulse_response(monic(0), denominator, all);
+  const Index most = std::min(std::max(samples, order), all);
+  Eigen::MatrixXd rows(most, order);
+  VectorXd rest(most);
+  Index count = 0;
+  for (Index k = 0; k < most; ++k) {
+    if (std::isnan(measured[k])) continue;
+    for (Index j = 0; j < order; ++j) rows(count, j) = k >= j ? h[k - j] : 0;
+    rest[count++] = measured[k] - from_rest[k];
+  }
+  VectorXd past = VectorXd::Zero(all);
+  if (count == 0 || order == 0 || !rows.topRows(count).allFinite()) return past;
+  const VectorXd c = rows.topRows(count).completeOrthogonalDecomposition().solve(rest.head(count));
+  for (Index j = 0; j < std::min(order, all); ++j) past.tail(all - j) += c[j] * h.head(all - j);
+  return past;
+}
+
+}  // namespace
+
+Series simulate(const PolynomialModel& model, const DataSet& data, Start start, Index samples) {
   const std::size_t output = match(model, data);
   const PolynomialModel::Common c = model.common();
   Index first = c.denominator.size() - 1;
@@ -171,6 +197,8 @@ Series simulate(const PolynomialModel& model, const DataSet& data, Start start) 
     for (; k < e.samples(); ++k) {
       for (Index i = 1; i < std::min(c.denominator.size(), k + 1); ++i) y[k] -= c.denominator[i] * y[k - i];
     }
+    if (start == Start::estimated)
+      y += of_the_past(c.denominator, e.y.col(static_cast<Index>(output)).array() - model.y0, VectorXd(y), samples);
     result.push_back(y.array() + model.y0);
   }
   return result;

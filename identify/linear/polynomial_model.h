@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -63,13 +64,19 @@ PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data,
 enum class Start {
   zero,      // from rest at the operating point
   measured,  // the first samples (as many as the longest lag) are the measured ones
+  // From the past that fits the first measured samples best, in least squares. It is the better start of models that
+  // are not driven by measured outputs, as noise in a few samples may hide a slow state.
+  estimated,
 };
 
 // For each experiment one column vector in units of the output.
 using Series = std::vector<Eigen::VectorXd>;
 
 // Free run: the outputs are the model's own. Needs no missing inputs.
-Series simulate(const PolynomialModel& model, const DataSet& data, Start start = Start::measured);
+// `samples`: how many measured ones of each experiment an estimated start may use; fewer than the order are raised to
+// it.
+Series simulate(const PolynomialModel& model, const DataSet& data, Start start = Start::measured,
+                Eigen::Index samples = std::numeric_limits<Eigen::Index>::max());
 // y(k) predicted from outputs up to k-1 and inputs up to k.
 Series one_step(const PolynomialModel& model, const DataSet& data);
 // y(k) predicted from outputs up to k - steps and inputs up to k.

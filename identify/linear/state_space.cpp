@@ -114,12 +114,15 @@ MatrixXd states_at_rest(const StateSpaceModel& model) {
   return lu.solve(model.B);
 }
 
-std::vector<MatrixXd> simulate(const StateSpaceModel& model, const DataSet& data, StateStart start) {
+std::vector<MatrixXd> simulate(const StateSpaceModel& model, const DataSet& data, StateStart start, Index samples) {
   check_fits(model, data);
   std::vector<MatrixXd> result;
   for (const Experiment& e : data.experiments) {
     MatrixXd y = respond(model, e.u, VectorXd::Zero(model.order()));
-    if (start == StateStart::estimated && model.order() > 0) y = respond(model, e.u, best_start(model, e.y, y));
+    if (start == StateStart::estimated && model.order() > 0) {
+      const Index used = std::clamp<Index>(samples, 0, e.samples());
+      y = respond(model, e.u, best_start(model, e.y.topRows(used), y.topRows(used)));
+    }
     result.push_back(std::move(y));
   }
   return result;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "identify/data/data_set.h"
@@ -48,9 +49,11 @@ enum class StateStart {
   zero,       // from rest at the operating point
   estimated,  // from the state that fits the measured outputs of the experiment best, in least squares
 };
-// Free run: samples x outputs of each experiment.
+// Free run: samples x outputs of each experiment. `samples`: how many of them an estimated start may use, the first
+// ones.
 std::vector<Eigen::MatrixXd> simulate(const StateSpaceModel& model, const DataSet& data,
-                                      StateStart start = StateStart::estimated);
+                                      StateStart start = StateStart::estimated,
+                                      Eigen::Index samples = std::numeric_limits<Eigen::Index>::max());
 
 Item to_item(const StateSpaceModel& model);
 StateSpaceModel state_space_of(const Item& item);

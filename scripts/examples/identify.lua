@@ -14,6 +14,8 @@
 --   skip=20      so many samples at the beginning of each record are not scored
 --   effort=3     how much is tried: minutes of an idle machine of two cores; 1 is enough for records of some thousand samples
 --
+-- Of several outputs there is also a model of all together, out/NAME-together.yaml, for those that drive each other.
+--
 -- What is tried depends on the effort and the size of the record, never on the clock, so that a run can be repeated exactly.
 -- Without a file it identifies a made-up tank.
 local pl = require "plantloop"
@@ -124,13 +126,21 @@ local function splits_of(parts, samples)
   return splits
 end
 
+-- The free run: NARX models begin with the measured samples that they look back to, linear ones with the state that fits the
+-- samples that are not scored best; more of what is measured none of them sees.
+local function free_run(model, part)
+  local ok, y = pcall(function() return model:simulate(part, {start = "estimated", samples = math.max(scored_from, 5)}) end)
+  if ok then return y end
+  return model:simulate(part)
+end
+
 -- Root of the mean square of the free run's error over experiments, the first samples of each not scored; the fit in %; and
 -- the mean squares of pieces of them.
 local scored_from = math.floor(options.skip)
 local function judge(model, parts)
   local square, count, total, sum, pieces = 0, 0, 0, 0, {}
   for _, part in ipairs(parts) do
-    local ok, y = pcall(function() return model:simulate(part) end)
+    local ok, y = pcall(free_run, model, part)
     if not ok then return math.huge, -math.huge, {} end
     local skip = math.min(scored_from, part.samples // 4)
     local measured, run = part.y:slice(skip + 1, part.samples), y:slice(skip + 1, part.samples)
@@ -243,7 +253,7 @@ local function identify_output(output)
           local list = {table.unpack(now)}
           list[i] = d
           local e = d <= far and d ~= start and error_of(list) or math.huge
-          if e < 0.97 * least then now, least = list, e end
+          if e < 0.9 * least then now, least = list, e end
         end
       end
       long = math.min(table.unpack(now))
@@ -317,13 +327,29 @@ local function identify_output(output)
     return chosen
   end
 
+  -- What a linear model takes for a delay of one input may be something nonlinear: it stays if a polynomial agrees.
+  if inputs > 1 and math.max(table.unpack(later)) > 0 then
+    local function error_with(list, d)
+      local kept = later
+      later = list
+      local ok, model = pcall(identify.polynomial, splits[1].train, {regressors = lags(2, 2, d), degree = 2, most_terms = 20, iterations = 15})
+      later = kept
+      return ok and (judge(model, splits[1].held_parts)) or math.huge
+    end
+    local none = {}
+    for i = 1, inputs do none[i] = 0 end
+    for _, d in ipairs{0, 1} do
+      if error_with(none, d) < error_with(later, delay) then later, delay = none, d end
+    end
+  end
+
   -- Polynomial NARX: terms by orthogonal least squares, each size fitted to the free run.
   local tried = {}
   local function try_polynomial(ny, nu, d, degree)
     if inputs == 0 then nu, d = 0, 0 end
     local key = table.concat({ny, nu, d, degree}, " ")
     local signals = ny + inputs * nu
-    if ny < 1 or nu < math.min(1, inputs) or tried[key] or signals > (degree == 2 and 20 or 9) then return end
+    if ny < 1 or nu < math.min(1, inputs) or tried[key] or signals > ({40, 20, 9})[degree] then return end
     tried[key] = true
     local candidate = try("polynomial NARX", ("polynomial NARX, degree %d, %s"):format(degree, named(ny, nu, d)),
         rows * 1e-4, function(x)
@@ -331,7 +357,7 @@ local function identify_output(output)
         end, function(x, model) return model:fit_free_run(x, 60) end)
     note(candidate, ny, nu, d)
   end
-  for _, degree in ipairs{2, 3} do
+  for _, degree in ipairs{1, 2, 3} do
     for _, ny in ipairs{order, 2, 1, 3, 4} do try_polynomial(ny, math.max(1, math.min(ny, 4)), delay, degree) end
   end
   for _ = 1, 2 do
@@ -470,7 +496,7 @@ local function identify_output(output)
   for _, part in ipairs(tests or {}) do stressed[#stressed + 1] = part end
   local function bears(model)
     for _, part in ipairs(stressed) do
-      local ok, y = pcall(function() return model:simulate(part) end)
+      local ok, y = pcall(free_run, model, part)
       local room = 2 * (greatest - lowest)
       if not ok or not (pl.min(y) > lowest - room and pl.max(y) < greatest + room) then return false end
     end
@@ -494,7 +520,7 @@ local function identify_output(output)
   best = best or candidates[1]
   if not best or best.held == math.huge then
     print "  no structure gives a model that runs freely"
-    return
+    return {held = math.huge, ny = 2, nu = 2, delay = delay, later = later}
   end
   print(("\n  least error: %s, free run %.5g held back, %.2f %% of the standard deviation"):format(best.what, best.held, 100 * best.held / deviation))
   -- Of models that cannot be told apart the one with the fewest parameters: their mean squares, piece by piece of the blocks
@@ -543,7 +569,7 @@ local function identify_output(output)
   if tests then print(("  its free run over the test: RMSE %.5g, FIT %.2f %%"):format(judge(final, tests))) end
   for i, part in ipairs(tests or {}) do
     local path = ("%s-test%s.csv"):format(stem, #tests > 1 and i or "")
-    local _, run = pcall(function() return final:simulate(part) end)
+    local _, run = pcall(free_run, final, part)
     if type(run) == "string" or not (pl.max(pl.abs(run)) < math.huge) then
       print "  its free run over the test runs away: no file of it is written"
       break
@@ -561,7 +587,7 @@ local function identify_output(output)
   -- The figures judge what the shown model has not seen.
   local judged = tests and tests[1] or splits[1].held_parts[#splits[1].held_parts]
   local model = tests and final or best.models[1]
-  local y = model:simulate(judged)
+  local y = free_run(model, judged)
   local figure = pl.figure{title = best.what .. (tests and ": the test" or ": data that it has not seen"), x = "time t [s]"}
   figure:panel{y = label}:markers(judged.time, judged.y, {marker = "dot", color = "grey", label = "measured"})
         :line(judged.time, y, {color = "blue", label = "free run"})
@@ -586,6 +612,136 @@ local function identify_output(output)
       print(("  %-14s %s"):format(result.name, result.meaning))
     end
   end
+  local top = best_structures(1)[1] or {ny = 2, nu = 2, d = delay}
+  return {held = best.held, what = best.what, ny = top.ny, nu = math.max(1, top.nu), delay = top.d, later = later,
+          test = tests and (judge(final, tests))}
 end
 
-for output = 1, #all.outputs do identify_output(output) end
+-- Root of the mean square of each output's error in free run, and the mean of their squares in variances.
+local function judge_jointly(model, parts, deviations)
+  local errors, mean = {}, 0
+  for o in ipairs(all.outputs) do
+    local square, count = 0, 0
+    for _, part in ipairs(parts) do
+      local ok, y = pcall(function() return model:simulate(part) end)
+      if not ok then return nil, math.huge end
+      local skip = math.min(scored_from, part.samples // 4)
+      local e = (part:column(all.outputs[o]) - y:column(o)):slice(skip + 1, part.samples)
+      square, count = square + pl.sum(e * e), count + #e
+    end
+    errors[o] = math.sqrt(square / count)
+    mean = mean + (errors[o] / deviations[o]) ^ 2 / #all.outputs
+  end
+  return errors, mean == mean and mean or math.huge
+end
+
+-- Outputs that drive each other, as the joints of an arm do, need a model of all of them.
+local function identify_jointly(single)
+  local parts, inputs, deviations = {}, #all.inputs, {}
+  for i = 1, all.experiments do parts[i] = all:experiment(i) end
+  for o, label in ipairs(all.outputs) do deviations[o] = pl.std(all:column(label)) end
+  local most = math.floor(8000 * math.max(0.5, math.min(effort, 4)))
+  local searched = parts
+  if all.samples > 1.5 * most then
+    local keep = most / all.samples / 4
+    searched = cut(parts, {{0.05, 0.05 + keep}, {0.35, 0.35 + keep}, {0.65, 0.65 + keep}, {1 - keep, 1}})
+  end
+  local split = splits_of(searched, 1e9)[1]
+  local rows = split.train.samples
+  print(("\nAll outputs together: networks beside a linear model, identified on %d samples"):format(rows))
+  print(("  %-44s %s"):format("structure; RMSE of the free run, held back", table.concat(all.outputs, "  ")))
+
+  -- Each input acts as late as on the output on which it acts first.
+  local ny, nu, from = 1, 1, {}
+  for i = 1, inputs do from[i] = math.huge end
+  for _, s in ipairs(single) do
+    ny, nu = math.max(ny, math.min(s.ny, 3)), math.max(nu, math.min(s.nu, 3))
+    for i = 1, inputs do from[i] = math.min(from[i], s.delay + s.later[i]) end
+  end
+  local function channel(label, letter, i) return label:match("^[%a_][%w_]*$") or letter .. i end
+  local function lags(of_y, of_u)
+    local list = {}
+    for o, label in ipairs(all.outputs) do list[#list + 1] = ("%s(k-1..%d)"):format(channel(label, "y", o), of_y) end
+    for i, label in ipairs(all.inputs) do
+      list[#list + 1] = from[i] < 0 and ("%s(k..%d)"):format(channel(label, "u", i), of_u - 1) or
+                        ("%s(k-%d..%d)"):format(channel(label, "u", i), from[i] + 1, from[i] + of_u)
+    end
+    return table.concat(list, ", ")
+  end
+  local budget, spent, best, tried = 200 * effort, 0, nil, {}
+  local function try(of_y, of_u, neurons, decay)
+    local signals = #all.outputs * of_y + inputs * of_u
+    local parameters = neurons * (signals + 1) + #all.outputs * (neurons + 1 + signals)
+    local work = rows * #all.outputs * parameters ^ 2 * 120e-9
+    local key = table.concat({of_y, of_u, neurons, ("%.1g"):format(decay)}, " ")
+    if tried[key] or spent + work > budget then return end
+    tried[key] = true
+    spent = spent + work
+    local ok, model = pcall(identify.mlp, split.train,
+                            {regressors = lags(of_y, of_u), hidden = neurons, direct = true, simulation = true, starts = 6, refined = 2,
+                             one_step_iterations = 60, iterations = 60, horizons = {20 + 4 * (of_y + of_u), 0}, decay = decay, seed = seed})
+    if not ok then return end
+    local errors, mean = judge_jointly(model, split.held_parts, deviations)
+    if not errors then return end
+    local texts = {}
+    for o, e in ipairs(errors) do texts[o] = ("%.5g"):format(e) end
+    print(("  %-44s %s"):format(("%d neurons, %d of each y, %d of each u, decay %.1g"):format(neurons, of_y, of_u, decay), table.concat(texts, "  ")))
+    if not best or mean < best.mean then
+      best = {model = model, mean = mean, errors = errors, of_y = of_y, of_u = of_u, neurons = neurons, decay = decay}
+    end
+  end
+  for _, neurons in ipairs{4, 8, 14} do
+    try(math.min(ny, 2), math.min(nu, 2), neurons, 1e-2)
+  end
+  if not best then
+    print "  none runs freely within this effort"
+    return
+  end
+  for _ = 1, 3 do
+    local b = best
+    for _, factor in ipairs{0.1, 10} do try(b.of_y, b.of_u, b.neurons, b.decay * factor) end
+    try(b.of_y + 1, b.of_u, b.neurons, b.decay)
+    try(b.of_y, b.of_u + 1, b.neurons, b.decay)
+    if b.of_y > 1 then try(b.of_y - 1, b.of_u, b.neurons, b.decay) end
+    try(b.of_y, b.of_u, math.floor(1.6 * b.neurons), b.decay)
+    if best == b then break end
+  end
+  local final = best.model
+  local ok, refined = pcall(function() return final:fit_free_run(all, {iterations = 60, decay = best.decay}) end)
+  if ok then
+    local _, before = judge_jointly(final, parts, deviations)
+    local _, after = judge_jointly(refined, parts, deviations)
+    if after < before then final = refined end
+  end
+  local stem = ("out/%s-together"):format(name)
+  final:save(stem .. ".yaml")
+  local test_errors
+  if test then
+    local tests = {}
+    for i = 1, test.experiments do tests[i] = test:experiment(i) end
+    test_errors = judge_jointly(final, tests, deviations)
+    for i, part in ipairs(test_errors and tests or {}) do
+      local run, columns, labels = final:simulate(part), {}, {}
+      for k = 1, part.samples do
+        columns[k] = {}
+        for o, label in ipairs(all.outputs) do
+          columns[k][o], columns[k][#all.outputs + o] = part:column(label)[k], run(k, o)
+          labels[o], labels[#all.outputs + o] = label, "free_run_" .. o
+        end
+      end
+      identify.data{u = part.u, y = pl.matrix(columns), Ts = part.Ts, inputs = all.inputs, outputs = labels}
+              :save(("%s-test%s.csv"):format(stem, #tests > 1 and i or ""))
+    end
+  end
+  print(("  %-24s %14s %14s%s"):format("RMSE of the free run", "held: alone", "together", test and "    test: alone       together" or ""))
+  for o, label in ipairs(all.outputs) do
+    print(("  %-24s %14.5g %14.5g%s   %s"):format(label, single[o].held, best.errors[o], test and (" %14.5g %14.5g"):format(
+      single[o].test or math.huge, test_errors and test_errors[o] or math.huge) or "",
+      best.errors[o] < single[o].held and "the model of all outputs is better" or "its own model is better"))
+  end
+  print(("  written: %s.yaml%s"):format(stem, test_errors and ", " .. stem .. "-test.csv" or ""))
+end
+
+local single = {}
+for output = 1, #all.outputs do single[output] = identify_output(output) end
+if #all.outputs > 1 then identify_jointly(single) end

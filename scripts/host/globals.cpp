@@ -27,6 +27,7 @@ constexpr std::array math_names{"abs", "acos",       "asin", "atan",      "ceil"
 
 int print(lua_State* L) {
   std::ostream& out = *session_of(L).options.output;
+  if (session_of(L).options.progress) session_of(L).options.progress("", 1);
   const int count = lua_gettop(L);
   for (int i = 1; i <= count; ++i) {
     std::size_t size = 0;
@@ -35,7 +36,7 @@ int print(lua_State* L) {
     out.write(text, static_cast<std::streamsize>(size));
     lua_pop(L, 1);
   }
-  out << '\n';
+  out << '\n' << std::flush;
   session_of(L).sandbox.work(L, 20);
   if (!out) throw ScriptError("nobody reads what is printed");
   return 0;

@@ -26,7 +26,8 @@ struct ScriptOptions {
   std::ostream* output = &std::cout;    // of `print`
   std::ostream* messages = &std::cerr;  // errors, and the notes and warnings of diagrams
   bool colour = false;                  // of findings
-  // Of the simulation that runs now: the diagram's path and the part of the simulated time that is done.
+  // Of the simulation that runs now: the diagram's path and the part of the simulated time that is done. Of a fit the
+  // path is empty. Before something is printed it is called with 1: what shows progress makes room.
   std::function<void(const std::string& diagram, double fraction)> progress;
 };
 

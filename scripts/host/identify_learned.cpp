@@ -157,6 +157,21 @@ int uncertain(lua_State* L) {
   return 2;
 }
 
+int add(lua_State* L) {
+  const NarxModel& model = self(L);
+  const auto* map = dynamic_cast<const identify::GpMap*>(model.map.get());
+  if (map == nullptr)
+    throw ScriptError(
+        fmt::format("only a gaussian_process takes in single measurements, this is a {}", model.map->type()));
+  const identify::Regression rows = identify::make_regression(data_argument(L, 2), model.regressors);
+  NarxModel more = model;
+  more.map = identify::with_measurements(*map, rows.X, rows.Y);
+  more.fit.samples += rows.X.rows();
+  more.fit.options.push_back(fmt::format("{} samples added with the hyperparameters kept", rows.X.rows()));
+  push_learned_model(L, std::move(more));
+  return 1;
+}
+
 int prune(lua_State* L) {
   const NarxModel& model = self(L);
   const Options o(L, 3, "the options of prune", {"test", "decay", "iterations", "least"});
@@ -201,6 +216,31 @@ int save(lua_State* L) {
   return 1;
 }
 
+const identify::Network& network_of(const NarxModel& model) {
+  const auto* map = dynamic_cast<const identify::Mlp*>(model.map.get());
+  if (map == nullptr) throw ScriptError(fmt::format("only an mlp has layers, this is a {}", model.map->type()));
+  return map->network();
+}
+
+Eigen::VectorXd layers_of(const NarxModel& model) {
+  const identify::Network& network = network_of(model);
+  Eigen::VectorXd sizes(static_cast<Index>(network.layers.size()) + 1);
+  sizes[0] = static_cast<double>(network.inputs());
+  for (std::size_t i = 0; i < network.layers.size(); ++i)
+    sizes[static_cast<Index>(i) + 1] = static_cast<double>(network.layers[i].neurons());
+  return sizes;
+}
+
+Eigen::VectorXd weights_of(const NarxModel& model) {
+  const identify::Network& network = network_of(model);
+  std::vector<double> weights;
+  for (const identify::Layer& layer : network.layers) {
+    for (Index n = 0; n < layer.neurons(); ++n)
+      for (Index i = 0; i < layer.inputs(); ++i) weights.push_back(layer.w(n, i));
+  }
+  return Eigen::VectorXd::Map(weights.data(), static_cast<Index>(weights.size()));
+}
+
 const std::vector<Field<NarxModel>>& fields() {
   using M = NarxModel;
   static const std::vector<Field<M>> list{
@@ -214,6 +254,12 @@ const std::vector<Field<NarxModel>>& fields() {
        }},
       {"longest_lag", "integer", "samples before the first prediction",
        [](lua_State* L, const M& m) { lua_pushinteger(L, m.regressors.longest_lag()); }},
+      {"layers", "pl.Vector", "of an mlp: its inputs and the neurons of each layer, as pl.figure:network takes them",
+       [](lua_State* L, const M& m) { push_numbers(L, layers_of(m)); }},
+      {"weights", "pl.Vector",
+       "of an mlp: the weights of its layers between normalised signals, neuron by neuron without the biases; 0 was "
+       "pruned",
+       [](lua_State* L, const M& m) { push_numbers(L, weights_of(m)); }},
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.channels.Ts); }},
       {"report", "table", "method, samples, reached, iterations, stopped, tried, warnings, text",
        [](lua_State* L, const M& m) { push_report(L, m.fit); }},
@@ -277,6 +323,8 @@ Entries learned_model_methods() {
        "pl.Vector, pl.Vector",
        "free run of a Gaussian process: mean and variance of the function; trajectories: drawn at random instead; "
        "noise: that the outputs fed back have noise"},
+      {"add", guarded<add>, "data: pl.DataSet", "pl.LearnedModel",
+       "a Gaussian process with more measurements; its hyperparameters stay"},
       {"prune", guarded<prune>,
        "data: pl.DataSet, options?: {test?: pl.DataSet, decay?: number, iterations?: integer, least?: integer}",
        "pl.LearnedModel", "an mlp without the weights that are missed least (optimal brain surgeon)"},

@@ -223,13 +223,6 @@ int recursive(lua_State* L) {
 
 const PolynomialModel& self(lua_State* L) { return held_self<PolynomialModel>(L, linear_kind); }
 
-identify::Start start_of(lua_State* L, int index) {
-  const Options o(L, index, "the options of simulate", {"start"});
-  const std::string start = o.text("start", "measured");
-  if (start != "measured" && start != "zero") o.wrong("start", "measured or zero");
-  return start == "zero" ? identify::Start::zero : identify::Start::measured;
-}
-
 void push_series(lua_State* L, const identify::Series& series) {
   Index size = 0;
   for (const Eigen::VectorXd& s : series) size += s.size();
@@ -238,7 +231,14 @@ void push_series(lua_State* L, const identify::Series& series) {
 }
 
 int simulate(lua_State* L) {
-  push_series(L, identify::simulate(self(L), data_argument(L, 2), start_of(L, 3)));
+  const Options o(L, 3, "the options of simulate", {"start", "samples"});
+  const std::string start = o.text("start", "measured");
+  if (start != "measured" && start != "estimated" && start != "zero") o.wrong("start", "measured, estimated or zero");
+  push_series(L, identify::simulate(self(L), data_argument(L, 2),
+                                    start == "zero"        ? identify::Start::zero
+                                    : start == "estimated" ? identify::Start::estimated
+                                                           : identify::Start::measured,
+                                    start_samples(o)));
   return 1;
 }
 
@@ -371,7 +371,8 @@ Entries identify_linear_functions() {
 
 Entries linear_model_methods() {
   return {
-      {"simulate", guarded<simulate>, "data: pl.DataSet, options?: {start?: \"measured\"|\"zero\"}", "pl.Vector",
+      {"simulate", guarded<simulate>,
+       "data: pl.DataSet, options?: {start?: \"measured\"|\"estimated\"|\"zero\", samples?: integer}", "pl.Vector",
        "free run: the outputs are the model's own"},
       {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer", "pl.Vector",
        "the output that many steps after the last measured one"},

@@ -31,11 +31,12 @@ void push_outputs(lua_State* L, const std::vector<Eigen::MatrixXd>& parts) {
 }
 
 int simulate_state_space(lua_State* L) {
-  const Options o(L, 3, "the options of simulate", {"start"});
+  const Options o(L, 3, "the options of simulate", {"start", "samples"});
   const std::string start = o.text("start", "estimated");
   if (start != "estimated" && start != "zero") o.wrong("start", "estimated or zero");
   push_outputs(L, identify::simulate(held_self<StateSpaceModel>(L, state_space_kind), data_argument(L, 2),
-                                     start == "zero" ? identify::StateStart::zero : identify::StateStart::estimated));
+                                     start == "zero" ? identify::StateStart::zero : identify::StateStart::estimated,
+                                     start_samples(o)));
   return 1;
 }
 
@@ -249,8 +250,9 @@ Entries identify_model_functions() {
 
 Entries state_space_methods() {
   return {
-      {"simulate", guarded<simulate_state_space>, "data: pl.DataSet, options?: {start?: \"estimated\"|\"zero\"}",
-       "pl.Vector", "free run from the state that fits best, or from rest"},
+      {"simulate", guarded<simulate_state_space>,
+       "data: pl.DataSet, options?: {start?: \"estimated\"|\"zero\", samples?: integer}", "pl.Vector",
+       "free run from the state that fits best, or from rest"},
       {"response", guarded<state_space_response>, "w: pl.Vector, input?: integer, output?: integer", "table",
        "frequency response: w, magnitude, phase"},
       {"save", guarded<save_state_space>, "path: string", "string", "writes a model file, .yaml; gives the path"},

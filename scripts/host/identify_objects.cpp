@@ -107,7 +107,12 @@ std::vector<std::string> texts(lua_State* L, const Options& options, const char*
 }
 
 identify::FitControl control_of(lua_State* L) {
-  return {[L](double) { session_of(L).sandbox.work(L, 1e5); }, session_of(L).options.cancel};
+  return {[L](double fraction) {
+            Session& session = session_of(L);
+            session.sandbox.work(L, 1e5);
+            if (session.options.progress) session.options.progress("", std::clamp(fraction, 0.0, 0.999));
+          },
+          session_of(L).options.cancel};
 }
 
 void push_data(lua_State* L, identify::DataSet data) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -119,6 +120,13 @@ Eigen::MatrixXd matrix_of(lua_State* L, int index, std::string_view what);
 // An option that is one whole number or a list of them; empty when it is not given.
 std::vector<int> integers(lua_State* L, const Options& options, const char* key);
 int integer(const Options& options, const char* key, int fallback);
+// How many first samples an estimated start may use: "samples", or all.
+inline Eigen::Index start_samples(const Options& o) {
+  if (!o.has("samples")) return std::numeric_limits<Eigen::Index>::max();
+  const int samples = integer(o, "samples", 0);
+  if (samples < 1) throw ScriptError("'samples' must be 1 or more");
+  return samples;
+}
 std::vector<std::string> texts(lua_State* L, const Options& options, const char* key);
 
 // Ends a fit when a limit of the script is passed.

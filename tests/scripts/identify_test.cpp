@@ -1,5 +1,8 @@
 // Identification from scripts: data, fits, predictions, files, and what is said when something is wrong.
 
+#include <algorithm>
+#include <sstream>
+
 #include "tests/scripts/workshop.h"
 
 namespace plantloop {
@@ -89,6 +92,92 @@ TEST_F(Identification, TrainsNetworksOnThroughTime) {
                     "local function error_of(m) return I.metrics(y, m:simulate(d)).RMSE end\n"
                     "print(error_of(n) < 0.5 * error_of(m), error_of(n) < 0.01)"),
             "true\ttrue");
+}
+
+TEST_F(Identification, TellsTheWeightsOfANetworkAsAFigureTakesThem) {
+  EXPECT_EQ(with_data("local m = identify.mlp(data, {regressors = 'level(k-1), u(k-1)', hidden = 3, starts = 1})\n"
+                      "print(m.layers:table()[1], m.layers:table()[2], m.layers:table()[3], #m.weights)\n"
+                      "pl.figure{title = 'n'}:network(m.layers, {weights = m.weights})"),
+            "2.0\t3.0\t1.0\t9");
+  EXPECT_THAT(complaint("local d = pl.identify.data{u = pl.linspace(0, 1, 20), y = pl.linspace(0, 1, 20)^2, Ts = 1}\n"
+                        "print(pl.identify.local_models(d, {regressors = 'u(k)', models = 2}).layers)"),
+              HasSubstr("only an mlp has layers, this is a local_model_network"));
+}
+
+TEST_F(Identification, AddsMeasurementsToAGaussianProcess) {
+  EXPECT_EQ(
+      with_data(
+          "local noise = identify.white_noise{samples = #y, deviation = 0.02, seed = 3}\n"
+          "local noisy = identify.data{u = u, y = y + noise, Ts = 0.1, inputs = {'u'}, outputs = {'level'}}\n"
+          "local first, rest = noisy:part(1, 60), noisy:part(61, 120)\n"
+          "local m = identify.gaussian_process(first, {regressors = 'level(k-1), u(k-1)', starts = 1})\n"
+          "local more = m:add(rest)\n"
+          "local function spread(x) local _, v = x:uncertain(rest, {propagation = 'naive'}); return pl.mean(v) end\n"
+          "print(spread(more) < spread(m), more.report.samples - m.report.samples)\n"
+          "more:save 'more.yaml'\n"
+          "print(identify.load('more.yaml'):simulate(rest) == more:simulate(rest))"),
+      "true\t59\ntrue");
+  EXPECT_THAT(complaint("local d = pl.identify.data{u = pl.linspace(0, 1, 20), y = pl.linspace(0, 1, 20)^2, Ts = 1}\n"
+                        "pl.identify.local_models(d, {regressors = 'u(k)', models = 2}):add(d)"),
+              HasSubstr("only a gaussian_process takes in single measurements, this is a local_model_network"));
+}
+
+TEST_F(Identification, TellsTheProgressOfAFitUntilSomethingIsPrinted) {
+  std::vector<double> told;
+  ScriptOptions options;
+  std::ostringstream output;
+  options.output = &output;
+  options.progress = [&](const std::string& diagram, double fraction) {
+    EXPECT_EQ(diagram, "");
+    told.push_back(fraction);
+  };
+  EXPECT_EQ(run_script_text("local I = require('plantloop').identify\n"
+                            "local d = I.data{u = I.prbs{bits = 6}, y = I.prbs{bits = 6}, Ts = 1}\n"
+                            "I.mlp(d, {regressors = 'u(k-1)', hidden = 2, starts = 3, iterations = 20})\n"
+                            "print 'done'\n",
+                            "fit.lua", {}, options),
+            script_done);
+  ASSERT_GT(told.size(), 3U);
+  EXPECT_EQ(told.back(), 1);
+  EXPECT_LT(*std::max_element(told.begin(), told.end() - 1), 1);
+  EXPECT_GT(told[told.size() - 2], told.front());
+}
+
+// A slow state at the start that noise hides: a model of order 2 that is known exactly, and a record that begins far
+// from rest.
+TEST_F(Identification, EstimatesTheStartOfAFreeRunFromTheFirstSamplesAlone) {
+  EXPECT_EQ(printed("local I = pl.identify\n"
+                    "local u = I.staircase{samples = 400, hold = 20, lower = -1, upper = 1, seed = 2}\n"
+                    "local function record(first, deviation)\n"
+                    "  local y = pl.zeros(400)\n"
+                    "  y[1], y[2] = first, first\n"
+                    "  for k = 3, 400 do y[k] = 1.94 * y[k - 1] - 0.9408 * y[k - 2] + 0.0008 * u[k - 1] end\n"
+                    "  return y + deviation * I.white_noise{samples = 400, deviation = 1, seed = 3}, y\n"
+                    "end\n"
+                    "local exact = record(0, 0)\n"
+                    "local m = I.arx(I.data{u = u, y = exact, Ts = 1}, {na = 2, nb = 1})\n"
+                    "local s = I.state_space(I.data{u = u, y = exact, Ts = 1}, {order = 2})\n"
+                    "local clean = record(3, 0)\n"
+                    "local function error_of(model, y, truth, options)\n"
+                    "  return I.metrics(truth, model:simulate(I.data{u = u, y = y, Ts = 1}, options)).RMSE\n"
+                    "end\n"
+                    "local few = {start = 'estimated', samples = 30}\n"
+                    "print(error_of(m, clean, clean, few) < 1e-8, error_of(s, clean, clean, few) < 1e-6)\n"
+                    "local noisy, truth = record(3, 0.05)\n"
+                    "print(error_of(m, noisy, truth, few) < 0.2 * error_of(m, noisy, truth))\n"
+                    // What comes after the first samples is not seen.
+                    "local later = noisy:copy()\n"
+                    "for k = 31, 400 do later[k] = 7 end\n"
+                    "print(error_of(m, later, truth, few) == error_of(m, noisy, truth, few),\n"
+                    "      error_of(s, later, truth, few) == error_of(s, noisy, truth, few))"),
+            "true\ttrue\ntrue\ntrue\ttrue");
+  const std::string model =
+      "local d = pl.identify.data{u = pl.linspace(0, 1, 20)^2, y = pl.linspace(0, 1, 20), Ts = 1}\n"
+      "local m = pl.identify.arx(d, {na = 1, nb = 1})\n";
+  EXPECT_THAT(complaint(model + "m:simulate(d, {start = 'first'})"),
+              HasSubstr("'start' must be measured, estimated or zero"));
+  EXPECT_THAT(complaint(model + "m:simulate(d, {start = 'estimated', samples = 0})"),
+              HasSubstr("'samples' must be 1 or more"));
 }
 
 // A file named on the command line is the user's choice, wherever it lies; nothing else outside is read.
