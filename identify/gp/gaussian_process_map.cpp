@@ -129,9 +129,15 @@ std::shared_ptr<const GpMap> with_measurements(const GpMap& map, const MatrixXd&
     fail("the measurements are {} x {} and {} x {}; the model has {} inputs and {} outputs", X.rows(), X.cols(),
          Y.rows(), Y.cols(), map.inputs(), map.outputs());
   const MatrixXd x = map.x_scaling().normalised(X), y = map.y_scaling().normalised(Y);
-  std::vector<GaussianProcess> processes = map.processes();
-  for (std::size_t o = 0; o < processes.size(); ++o) {
-    for (Index k = 0; k < x.rows(); ++k) processes[o].add(x.row(k).transpose(), y(k, static_cast<Index>(o)));
+  std::vector<GaussianProcess> processes;
+  for (std::size_t o = 0; o < map.processes().size(); ++o) {
+    const GaussianProcess& old = map.processes()[o];
+    MatrixXd all_x(old.size() + x.rows(), x.cols());
+    VectorXd all_y(all_x.rows());
+    all_x << old.x(), x;
+    all_y << old.y(), y.col(static_cast<Index>(o));
+    // From all of them at once, as the model file will be read: the same bits.
+    processes.emplace_back(old.shared_covariance(), old.mean_function(), old.hyperparameters(), all_x, all_y);
   }
   return std::make_shared<const GpMap>(std::move(processes), map.x_scaling(), map.y_scaling());
 }

@@ -42,8 +42,8 @@ class GpMap final : public Approximator {
   Scaling x_, y_;
 };
 
-// The same processes with more measurements, one after the other: hyperparameters and normalisation stay. X, Y in the
-// user's units. Raises IdentifyError.
+// The same processes with more measurements: hyperparameters and normalisation stay, the mean's coefficients are
+// estimated anew. X, Y in the user's units. Raises IdentifyError.
 std::shared_ptr<const GpMap> with_measurements(const GpMap& map, const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y);
 
 struct GpMapFit {

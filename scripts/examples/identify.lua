@@ -209,7 +209,7 @@ local function identify_output(output)
 
   -- Linear: orders and delay by a table of ARX structures, then output error around the best.
   local highest = samples > 600 and 6 or 3
-  local delay, order = 0, 2
+  local delay, order, best_arx = 0, 2, {}
   -- How many samples later than `delay` each input begins to act.
   local later = {}
   for i = 1, inputs do later[i] = 0 end
@@ -266,6 +266,7 @@ local function identify_output(output)
     if ok then
       for _, by in ipairs{"MDL", "simulated"} do
         local c = list.best[by]
+        best_arx[#best_arx + 1] = c
         try("ARX", ("ARX na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, by == "MDL" and by or "free run"), 0.1,
             function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = delays(c.delay), remove_means = true}) end)
       end
@@ -341,6 +342,12 @@ local function identify_output(output)
     for _, d in ipairs{0, 1} do
       if error_with(none, d) < error_with(later, delay) then later, delay = none, d end
     end
+  end
+
+  -- The means of a record that does not begin and end at rest are no operating point: a constant that is estimated is better.
+  for i, c in ipairs(best_arx) do
+    try("ARX with a constant", ("ARX with a constant, na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, i == 1 and "MDL" or "free run"), 0.1,
+        function(x) return identify.regression(x, {regressors = lags(c.na, c.nb, c.delay) .. ", 1", normalise = true}) end)
   end
 
   -- Polynomial NARX: terms by orthogonal least squares, each size fitted to the free run.
@@ -493,11 +500,21 @@ local function identify_output(output)
       stressed[#stressed + 1] = part
     end
   end
-  for _, part in ipairs(tests or {}) do stressed[#stressed + 1] = part end
+  -- Inputs of the test that are no larger than those that are known give no output far beyond those that are known.
+  local calm = #stressed
+  local within = true
+  for _, part in ipairs(tests or {}) do
+    stressed[#stressed + 1] = part
+    for j = 1, inputs do
+      local known, new = data:column(all.inputs[j]), part:column(all.inputs[j])
+      local margin = 0.05 * (pl.max(known) - pl.min(known))
+      within = within and pl.min(new) > pl.min(known) - margin and pl.max(new) < pl.max(known) + margin
+    end
+  end
   local function bears(model)
-    for _, part in ipairs(stressed) do
+    for i, part in ipairs(stressed) do
       local ok, y = pcall(free_run, model, part)
-      local room = 2 * (greatest - lowest)
+      local room = (i > calm and within and 0.5 or 2) * (greatest - lowest)
       if not ok or not (pl.min(y) > lowest - room and pl.max(y) < greatest + room) then return false end
     end
     return true
@@ -523,11 +540,11 @@ local function identify_output(output)
     return {held = math.huge, ny = 2, nu = 2, delay = delay, later = later}
   end
   print(("\n  least error: %s, free run %.5g held back, %.2f %% of the standard deviation"):format(best.what, best.held, 100 * best.held / deviation))
-  -- Of models that cannot be told apart the one with the fewest parameters: their mean squares, piece by piece of the blocks
+  -- Of models that cannot be told apart one with clearly fewer parameters: their mean squares, piece by piece of the blocks
   -- held back, differ from the best by less than one standard error.
   local least = best
   for _, c in ipairs(candidates) do
-    if c.held < 1.05 * least.held and #c.pieces == #least.pieces and c.parameters < best.parameters then
+    if c.held < 1.05 * least.held and #c.pieces == #least.pieces and c.parameters < 0.8 * best.parameters then
       local d = pl.vector(c.pieces) - pl.vector(least.pieces)
       if pl.mean(d) < pl.std(d) / math.sqrt(#d) and fit_to_use(c) then best = c end
     end

@@ -116,7 +116,7 @@ TEST_F(Identification, AddsMeasurementsToAGaussianProcess) {
           "print(spread(more) < spread(m), more.report.samples - m.report.samples)\n"
           "more:save 'more.yaml'\n"
           "print(identify.load('more.yaml'):simulate(rest) == more:simulate(rest))"),
-      "true\t59\ntrue");
+      "true\t59.0\ntrue");
   EXPECT_THAT(complaint("local d = pl.identify.data{u = pl.linspace(0, 1, 20), y = pl.linspace(0, 1, 20)^2, Ts = 1}\n"
                         "pl.identify.local_models(d, {regressors = 'u(k)', models = 2}):add(d)"),
               HasSubstr("only a gaussian_process takes in single measurements, this is a local_model_network"));
@@ -124,10 +124,10 @@ TEST_F(Identification, AddsMeasurementsToAGaussianProcess) {
 
 TEST_F(Identification, TellsTheProgressOfAFitUntilSomethingIsPrinted) {
   std::vector<double> told;
-  ScriptOptions options;
+  ScriptOptions watched;
   std::ostringstream output;
-  options.output = &output;
-  options.progress = [&](const std::string& diagram, double fraction) {
+  watched.output = &output;
+  watched.progress = [&](const std::string& diagram, double fraction) {
     EXPECT_EQ(diagram, "");
     told.push_back(fraction);
   };
@@ -135,7 +135,7 @@ TEST_F(Identification, TellsTheProgressOfAFitUntilSomethingIsPrinted) {
                             "local d = I.data{u = I.prbs{bits = 6}, y = I.prbs{bits = 6}, Ts = 1}\n"
                             "I.mlp(d, {regressors = 'u(k-1)', hidden = 2, starts = 3, iterations = 20})\n"
                             "print 'done'\n",
-                            "fit.lua", {}, options),
+                            "fit.lua", {}, watched),
             script_done);
   ASSERT_GT(told.size(), 3U);
   EXPECT_EQ(told.back(), 1);
