@@ -126,17 +126,16 @@ local function splits_of(parts, samples)
   return splits
 end
 
+local scored_from = math.floor(options.skip)
+
 -- The free run: NARX models begin with the measured samples that they look back to, linear ones with the state that fits the
 -- samples that are not scored best; more of what is measured none of them sees.
 local function free_run(model, part)
-  local ok, y = pcall(function() return model:simulate(part, {start = "estimated", samples = math.max(scored_from, 5)}) end)
-  if ok then return y end
-  return model:simulate(part)
+  return model:simulate(part, {start = "estimated", samples = math.max(scored_from, 10)})
 end
 
 -- Root of the mean square of the free run's error over experiments, the first samples of each not scored; the fit in %; and
 -- the mean squares of pieces of them.
-local scored_from = math.floor(options.skip)
 local function judge(model, parts)
   local square, count, total, sum, pieces = 0, 0, 0, 0, {}
   for _, part in ipairs(parts) do
