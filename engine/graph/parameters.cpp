@@ -170,6 +170,13 @@ class Evaluation final : public Checking {
     p.bad = !p.shape.is_known();
     if (p.bad) return;
     p.value = evaluate(code, names);
+    if (is_infinite(p.value) && !mentions_infinity(code, names)) {
+      e_.findings.error(p.expression.mark, "the value of '{}' is infinite: {}", path_of(g_, p), to_string(*code.tree))
+          .hint("where nothing limits a value, write inf")
+          .named("not-a-number");
+      p.bad = true;
+      return;
+    }
     for (const Value& v : p.value.values()) {
       if (!std::isnan(v.number())) continue;
       e_.findings
@@ -180,6 +187,27 @@ class Evaluation final : public Checking {
     }
     if (!p.of_scope) check_declared(index);
     if (!p.bad) check_bounds(p);
+  }
+
+  static bool is_infinite(const Array& value) {
+    const auto values = value.values();
+    return std::any_of(values.begin(), values.end(), [](const Value& v) { return std::isinf(v.number()); });
+  }
+
+  static bool has_inf(const Expression& node) {
+    if (node.kind == Expression::Kind::name && node.parts.size() == 1 && node.parts[0] == "inf") return true;
+    if (node.kind == Expression::Kind::number && std::isinf(node.number)) return true;
+    return std::any_of(node.arguments.begin(), node.arguments.end(), [](const auto& a) { return a && has_inf(*a); });
+  }
+
+  // Whether an infinite value is as written: it reads inf, or a parameter that is infinite.
+  static bool mentions_infinity(const Code& code, BoundNames& names) {
+    if (has_inf(*code.tree)) return true;
+    for (std::uint32_t i = 0; i < code.names.size(); ++i) {
+      const Array* const read = names.known(i);
+      if (read != nullptr && is_infinite(*read)) return true;
+    }
+    return false;
   }
 
   bool has_element(const GraphParameter& p, const Code& code, std::size_t name, const Reference& r,

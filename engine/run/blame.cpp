@@ -60,6 +60,7 @@ std::string in_words(Op op, double a, double b) {
 // " in block 'x' (file:line:column)"
 std::string place_of(const Frame& frame, std::uint32_t site) {
   const Site& s = frame.program->sites[site];
+  if (s.path.empty()) return {};
   std::string text = fmt::format(" in block '{}'", s.path);
   if (s.mark.source != nullptr) text += fmt::format(" ({})", to_string(s.mark));
   return text;
@@ -160,17 +161,21 @@ Origin find_origin(const Frame& frame, std::uint32_t root) {
   const Values value(frame, root);
   if (std::isfinite(value[root])) return {};
   std::uint32_t id = root;
+  std::uint32_t reader = root;
   for (bool deeper = true; deeper;) {
     deeper = false;
     for (const auto operand : value.read_by(id)) {
       if (std::isfinite(value[operand])) continue;
+      reader = id;
       id = operand;
       deeper = true;
       break;
     }
   }
+  // A number stands in no block; what reads it does.
   const Operation& o = graph.operations[id];
-  std::string what = "a value";
+  const std::uint32_t site = graph.operations[o.op == Op::constant ? reader : id].site;
+  std::string what = "a number";
   if (o.op == Op::parameter) {
     what = fmt::format("the parameter '{}'", frame.program->parameter_info[o.a].name);
   } else if (o.op == Op::kernel_output) {
@@ -178,8 +183,8 @@ Origin find_origin(const Frame& frame, std::uint32_t root) {
   } else if (!is_leaf(o.op)) {
     what = in_words(o.op, value[o.a], arity_of(o.op) > 1 ? value[o.b] : 0);
   }
-  return {fmt::format("it came from {}, which is {},", what, number_in_words(value[id])) + place_of(frame, o.site),
-          path_of(frame, o.site)};
+  return {fmt::format("it came from {}, which is {},", what, number_in_words(value[id])) + place_of(frame, site),
+          path_of(frame, site)};
 }
 
 struct Beyond {
@@ -233,11 +238,19 @@ RunError not_finite(const Frame& frame, std::uint32_t root, const std::string& w
   return RunError(fmt::format("at time {:g} s {}\n  {}", t, what, origin.text), t, origin.place);
 }
 
-RunError solver_failed(const Frame& frame, std::uint32_t derivative, const RunError& error, const std::string& state) {
+RunError solver_failed(const Frame& frame, std::uint32_t derivative, const RunError& error, const std::string& number,
+                       const std::string& state) {
   Origin origin = find_origin(frame, derivative);
-  std::string text = fmt::format("{}\n  state '{}'", error.what(), state);
+  std::string text = error.what();
+  const std::string name = fmt::format("state '{}'", state);
+  if (const std::size_t at = text.find(number + ' '); at != std::string::npos) {
+    text.replace(at, number.size(), name);
+  } else {
+    text += "\n  " + name;
+  }
   if (!origin.text.empty()) {
-    text += ": its derivative is not finite; " + origin.text;
+    const bool said = text.find("is not finite") != std::string::npos;
+    text += (said ? "\n  " : "\n  its derivative is not finite: ") + origin.text;
   } else if (Beyond beyond = origin_beyond(frame, error.time()); !beyond.origin.text.empty()) {
     text +=
         fmt::format("\n  right behind it the derivative of '{}' is not finite; {}", beyond.state, beyond.origin.text);

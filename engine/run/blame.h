@@ -19,6 +19,7 @@ RunError not_finite(const Frame& frame, std::uint32_t root, const std::string& w
 
 // The error that a solver met at a state: with the state's name, and where its derivative came from when that is not
 // finite.
-RunError solver_failed(const Frame& frame, std::uint32_t derivative, const RunError& error, const std::string& state);
+RunError solver_failed(const Frame& frame, std::uint32_t derivative, const RunError& error, const std::string& number,
+                       const std::string& state);
 
 }  // namespace plantloop

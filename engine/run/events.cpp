@@ -18,6 +18,7 @@ namespace {
 
 constexpr int most_passes = 100;            // of event iteration
 constexpr int most_events_in_a_row = 1000;  // of one function, closer together than 1000 event tolerances
+constexpr double near_of_run = 0.05;        // of the search gap, that is 1e-4 of the run
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<Direction> directions_of_guards(const Program& program) {
@@ -47,7 +48,34 @@ Events::Events(RunState& run, KernelAdvance& kernels, Rows& rows)
       last_event_(run.program.guards.size(), -infinity),
       quiet_until_(run.program.guards.size(), -infinity),
       in_a_row_(run.program.guards.size(), 0),
-      sign_when_muted_(run.program.guards.size(), 0) {}
+      sign_when_muted_(run.program.guards.size(), 0),
+      woken_at_(run.program.guards.size(), -infinity),
+      told_(run.program.guards.size(), 0),
+      left_true_(run.program.guards.size(), no),
+      left_since_(run.program.guards.size(), -infinity),
+      left_value_(run.program.guards.size(), 0),
+      accumulations_(run.program.guards.size()) {}
+
+void Events::forget_steps() {
+  wanted_stop_ = -infinity;
+  retried_at_ = std::numeric_limits<double>::quiet_NaN();
+  std::fill(accumulations_.begin(), accumulations_.end(), Accumulation{});
+  std::fill(woken_at_.begin(), woken_at_.end(), -infinity);
+  for (std::size_t i = 0; i < left_true_.size(); ++i) {
+    if (left_true_[i] == is_turned) left_true_[i] = yes;
+    left_since_[i] = run_.t;
+  }
+}
+
+double Events::wanted_stop() const {
+  double stop = wanted_stop_;
+  for (std::size_t i = 0; any_muted_ && i < quiet_until_.size(); ++i) {
+    if (quiet_until_[i] > run_.t && quiet_until_[i] < infinity && !(stop > run_.t && stop < quiet_until_[i])) {
+      stop = quiet_until_[i];
+    }
+  }
+  return stop;
+}
 
 void Events::guards_at(double t, double* values) {
   run_.put_states_of(t);
@@ -63,8 +91,15 @@ bool Events::crossing_between(double before, double after) {
   if (any_muted_) wake();
   const double parts = std::max(1.0, std::ceil((after - before) / run_.search_gap * (1 - 1e-9)));
   double from = before;
-  for (double i = 1; i <= parts; ++i) {
-    const double to = i < parts ? before + (after - before) * i / parts : after;
+  double seen = before;  // where a condition that held at `before` is seen not to hold
+  if (any_left_true_ && ends_zeno_after(before, after, seen)) return true;
+  for (double i = 1; i <= parts;) {
+    double to = i < parts ? before + (after - before) * i / parts : after;
+    if (from < seen && seen < to) {
+      to = seen;
+    } else {
+      ++i;
+    }
     const auto found = roots_.first(from, to, [this](double t, double* values) { guards_at(t, values); });
     if (found) {
       const double at = found->time;
@@ -80,7 +115,7 @@ bool Events::crossing_between(double before, double after) {
       event(true);
       return true;
     }
-    if (i == 1 || i == parts) {
+    if (from == before || to == after) {
       run_.put_states_of(to);
       if (in_wrong_mode(before, to)) return true;
     }
@@ -115,6 +150,13 @@ bool Events::in_wrong_mode(double before, double after) {
     return true;
   }
   retried_at_ = before;
+  if (!program_.holds.empty()) {  // what was active at `before` only keeps the value from there
+    run_.t = before;
+    run_.put_states_of(before);
+    take_holds(before);
+    run_.put_states_of(after);
+    modes_differ();
+  }
   take_modes();
   run_.put_states_of(before);
   KernelFrame kernels = frame_.kernel_frame(false);
@@ -133,13 +175,135 @@ void Events::watch_for_zeno(double at) {
     run_.watch.fired(i, at);
     in_a_row_[i] = at - last_event_[i] < close ? in_a_row_[i] + 1 : 0;
     last_event_[i] = at;
-    if (in_a_row_[i] > most_events_in_a_row) end_zeno(g, at);
+    accumulations_[i].add(at);
+    if (in_a_row_[i] > most_events_in_a_row) end_zeno(i, at, roots_.signs()[i]);
+  }
+}
+
+double Accumulation::remaining() const {
+  if (count_ < 5) return infinity;
+  // The sums of m intervals are a geometric series when the intervals are; what only happens to be a burst is none.
+  const std::size_t m = std::min(count_ - 1, times_.size() - 1) / 3;
+  const double late = back(0) - back(m);
+  const double early = back(m) - back(2 * m);
+  const double before = back(2 * m) - back(3 * m);
+  const bool is_geometric = late * before < 3 * early * early && early * early < 3 * late * before;
+  if (!is_geometric || !(late < 0.95 * early)) return infinity;
+  return late * late / (early - late);
+}
+
+// Of the functions whose conditions held still after their actions at t: those that the action turned back, that is,
+// they head for where they do not hold. Found along the tangent, so that one which turns again at once counts.
+std::vector<std::uint8_t> Events::turned_back(double t, double tolerance) {
+  std::vector<std::uint8_t> turned(left_true_.size(), 0);
+  const std::size_t n = frame_.state_count();
+  if (n == 0) return turned;
+  run_.put_states_of(t);
+  KernelFrame kernels = frame_.kernel_frame(true);
+  execute(program_.derivative_list, frame_.arena, &kernels);
+  const double* const roots = frame_.arena + program_.derivative_list.roots.front();
+  std::vector<double> slopes(roots, roots + n);
+  for (const auto place : run_.still) slopes[place] = 0;
+  const std::vector<double> states(frame_.states(), frame_.states() + n);
+  std::array<std::vector<double>, 4> values;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double s = tolerance * static_cast<double>(k);
+    for (std::size_t i = 0; i < n; ++i) frame_.states()[i] = states[i] + s * slopes[i];
+    frame_.arena[program_.time] = t + s;
+    execute(program_.guard_list, frame_.arena, &kernels);
+    for (const auto root : program_.guard_list.roots) values[k].push_back(frame_.arena[root]);
+  }
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    const auto change = [&](std::size_t k) { return (values[k][i] - values[0][i]) * program_.guards[i].direction; };
+    // What is only rounding is not three times as much three times as far away.
+    turned[i] = left_true_[i] != no && change(3) < 0 && std::fabs(change(3) - 3 * change(1)) <= -0.1 * change(3) &&
+                std::fabs(change(3) - 1.5 * change(2)) <= -0.1 * change(3);
+  }
+  return turned;
+}
+
+// The steps after an event whose action left its condition true. A condition that ceases to hold for a short time is
+// found there (`seen`), however long the step. One that does not get to cease has events that follow each other without
+// end, too close to be seen: its action turned it back and it turned again at once, or its events accumulate inside the
+// step. Then the run stands at `before` again, and the policy of `zeno` has been applied: true.
+bool Events::ends_zeno_after(double before, double after, double& seen) {
+  any_left_true_ = false;
+  const double tolerance = event_tolerance(before, options_.event_tol);
+  const double close = 1e3 * tolerance;
+  const auto holds = [&](std::size_t i, double value) {
+    const Program::Guard& guard = program_.guards[i];
+    return value * guard.direction > 0 || (value == 0 && guard.at_zero == guard.direction);
+  };
+  std::vector<std::uint8_t> suspects(left_true_.size(), 0);
+  std::vector<std::uint8_t> ends(left_true_.size(), 0);
+  std::vector<std::uint8_t> waits(left_true_.size(), 0);  // for the limit of its events
+  const std::vector<std::uint8_t> turned = turned_back(before, close / 3);
+  bool any = false;
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    if (left_true_[i] == no || is_muted(i)) continue;
+    const double remaining = accumulations_[i].remaining();
+    const bool accumulates =
+        last_event_[i] == left_since_[i] && remaining < std::max(close, near_of_run * run_.search_gap);
+    ends[i] = accumulates && left_since_[i] + remaining <= after;
+    waits[i] = accumulates && ends[i] == 0;
+    if (left_true_[i] == yes && turned[i] != 0) left_true_[i] = is_turned;
+    suspects[i] = accumulates || left_true_[i] != yes;
+    any = any || suspects[i] != 0;
+  }
+  std::vector<double> values(suspects.size());
+  if (any) guards_at(before, values.data());
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    if (suspects[i] != 0 && left_since_[i] == before) left_value_[i] = std::fabs(values[i]);
+  }
+  bool last = !any;
+  for (double s = tolerance / 8; !last; s *= 2) {
+    last = before + s >= after;
+    guards_at(last ? after : before + s, values.data());
+    for (std::size_t i = 0; i < suspects.size(); ++i) {
+      if (suspects[i] == 0) continue;
+      if (!holds(i, values[i])) {
+        if (!last) seen = before + s;
+        std::fill(left_true_.begin(), left_true_.end(), no);
+        return false;
+      }
+      const bool is_grown = before + s - left_since_[i] <= close && std::fabs(values[i]) > left_value_[i];
+      if (left_true_[i] == is_turned && is_grown) ends[i] = 1;
+    }
+  }
+  any = false;
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    if (suspects[i] != 0 && after - left_since_[i] > close && left_true_[i] == by_zeno) ends[i] = 1;
+    if (suspects[i] == 0 || ends[i] != 0 || (after - left_since_[i] > close && waits[i] == 0)) {
+      left_true_[i] = no;
+    } else {
+      any_left_true_ = true;  // too early to tell
+    }
+    if (ends[i] == 0) continue;
+    if (!any) {
+      run_.put_states_of(before);
+      run_.t = before;
+      run_.restart = any = true;
+    }
+    end_zeno(i, before, static_cast<std::int8_t>(-program_.guards[i].direction));
+  }
+  return any;
+}
+
+void Events::note_left_true(const std::vector<int>& fired) {
+  for (const int g : fired) {
+    const auto i = static_cast<std::size_t>(g);
+    const Program::Guard& guard = program_.guards[i];
+    if (!guard.is_jump || guard.direction == 0 || program_.jumps[guard.index].targets.empty()) continue;
+    if (roots_.signs()[i] != guard.direction) continue;
+    left_true_[i] = woken_at_[i] <= run_.t && is_near(woken_at_[i], run_.t) ? by_zeno : yes;
+    left_since_[i] = run_.t;
+    any_left_true_ = true;
   }
 }
 
 // A function whose events follow each other without end: the policy of `zeno`.
-void Events::end_zeno(int guard, double at) {
-  const auto i = static_cast<std::size_t>(guard);
+// `sign`: the one that counts as the function's last when it is looked at again after a time.
+void Events::end_zeno(std::size_t i, double at, std::int8_t sign) {
   const Program::Guard& function = program_.guards[i];
   const std::string name = name_of(function);
   const std::string what = fmt::format("at time {} s events follow each other without end: {}", at, name);
@@ -151,11 +315,14 @@ void Events::end_zeno(int guard, double at) {
   }
   in_a_row_[i] = 0;
   any_muted_ = true;
-  sign_when_muted_[i] = roots_.signs()[i];
+  sign_when_muted_[i] = sign;
+  const bool tell = std::exchange(told_[i], 1) == 0;
   if (options_.zeno == "ignore") {
     quiet_until_[i] = at + run_.search_gap;
-    run_.statistics.warnings.push_back(
-        fmt::format("{}; it is not looked at for {:g} s (zeno: ignore)", what, run_.search_gap));
+    if (tell) {
+      run_.statistics.warnings.push_back(
+          fmt::format("{}; it is not looked at for {:g} s (zeno: ignore)", what, run_.search_gap));
+    }
     return;
   }
   quiet_until_[i] = infinity;
@@ -164,6 +331,7 @@ void Events::end_zeno(int guard, double at) {
       if (!target.discrete) run_.still.push_back(target.slot - program_.states);
     }
   }
+  if (!tell) return;
   run_.statistics.warnings.push_back(fmt::format("{}; {} until the next event of something else (zeno: hold)", what,
                                                  function.is_jump ? "what it sets stands still" : "its mode is held"));
 }
@@ -174,6 +342,7 @@ void Events::wake() {
   for (std::size_t i = 0; i < quiet_until_.size(); ++i) {
     if (quiet_until_[i] <= run_.t && quiet_until_[i] > -infinity) {
       quiet_until_[i] = -infinity;
+      woken_at_[i] = run_.t;
       roots_.signs()[i] = sign_when_muted_[i];
     }
     any_muted_ = any_muted_ || quiet_until_[i] > run_.t;
@@ -182,10 +351,19 @@ void Events::wake() {
 
 void Events::release() {
   if (!any_muted_) return;
+  wake();
   any_muted_ = false;
-  for (double& until : quiet_until_) {
-    if (until == infinity) until = -infinity;
-    any_muted_ = any_muted_ || until > -infinity;
+  for (std::size_t i = 0; i < quiet_until_.size(); ++i) {
+    const Program::Guard& guard = program_.guards[i];
+    if (quiet_until_[i] == infinity) {
+      quiet_until_[i] = -infinity;
+      if (guard.is_jump && guard.direction != 0 && roots_.signs()[i] == guard.direction) {
+        left_true_[i] = by_zeno;
+        left_since_[i] = run_.t;
+        any_left_true_ = true;
+      }
+    }
+    any_muted_ = any_muted_ || quiet_until_[i] > -infinity;
   }
   if (run_.still.empty()) return;
   run_.still.clear();
@@ -261,6 +439,7 @@ void Events::event(bool located) {
 
 Mask Events::settle_events(std::vector<int> fired, Mask bits) {
   bool states_changed = false;
+  std::vector<int> all = fired;
   for (int pass = 0;; ++pass) {
     if (pass == most_passes) {
       fired_ = fired;
@@ -278,7 +457,9 @@ Mask Events::settle_events(std::vector<int> fired, Mask bits) {
     const std::vector<int> before = std::move(fired);
     fired = guards_fired_by_now(before);
     if (fired.empty()) break;
+    all.insert(all.end(), fired.begin(), fired.end());
   }
+  note_left_true(all);
   run_.restart = run_.restart || states_changed;
   return bits;
 }
@@ -397,6 +578,9 @@ void Events::save(Checkpoint& checkpoint) const {
   checkpoint.last_event = last_event_;
   checkpoint.quiet_until = quiet_until_;
   checkpoint.in_a_row = in_a_row_;
+  for (std::size_t i = 0; i < left_true_.size(); ++i) {  // below zero: left true, and odd or even by which
+    if (left_true_[i] != no) checkpoint.in_a_row[i] = -2 * in_a_row_[i] - (left_true_[i] == by_zeno ? 2 : 1);
+  }
   checkpoint.sign_when_muted = sign_when_muted_;
   checkpoint.still.assign(run_.still.begin(), run_.still.end());
 }
@@ -407,6 +591,13 @@ void Events::restore(const Checkpoint& checkpoint) {
   last_event_ = checkpoint.last_event;
   quiet_until_ = checkpoint.quiet_until;
   in_a_row_ = checkpoint.in_a_row;
+  for (std::size_t i = 0; i < left_true_.size(); ++i) {
+    if (in_a_row_[i] >= 0) continue;
+    left_true_[i] = in_a_row_[i] % 2 != 0 ? yes : by_zeno;
+    in_a_row_[i] = (-in_a_row_[i] - left_true_[i]) / 2;
+    left_since_[i] = run_.t;
+    any_left_true_ = true;
+  }
   sign_when_muted_ = checkpoint.sign_when_muted;
   run_.still.assign(checkpoint.still.begin(), checkpoint.still.end());
   any_muted_ = std::any_of(quiet_until_.begin(), quiet_until_.end(), [](double until) { return until > -infinity; });

@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -14,6 +16,20 @@
 
 namespace plantloop {
 
+// The last events of one function, and where they accumulate if their intervals shrink as they did.
+class Accumulation {
+ public:
+  void add(double t) { times_[count_++ % times_.size()] = t; }
+  // The time (s) from the last event to the limit of all; infinite when the intervals do not shrink.
+  double remaining() const;
+
+ private:
+  double back(std::size_t n) const { return times_[(count_ - 1 - n) % times_.size()]; }
+
+  std::array<double, 17> times_{};  // s
+  std::size_t count_ = 0;
+};
+
 // Every function throws RunError when events do not settle or follow each other without end.
 class Events {
  public:
@@ -21,12 +37,9 @@ class Events {
 
   bool none() const { return program_.guards.empty(); }
   // Where (s) the next step should end; not after the run's time: nowhere.
-  double wanted_stop() const { return wanted_stop_; }
+  double wanted_stop() const;
   // Forgets the steps before, as a run that goes on from a save point does.
-  void forget_steps() {
-    wanted_stop_ = -std::numeric_limits<double>::infinity();
-    retried_at_ = std::numeric_limits<double>::quiet_NaN();
-  }
+  void forget_steps();
   // Handles the first event on (before, after], if there is one: true, and the run's time is that of the event. A long
   // step is looked at in parts as short as the gaps between rows of the whole run, so that a function that changes its
   // sign twice is seen.
@@ -55,7 +68,10 @@ class Events {
   bool is_muted(std::size_t guard) const { return quiet_until_[guard] > run_.t; }
   bool is_frozen(std::size_t mode) const;
   void watch_for_zeno(double at);
-  void end_zeno(int guard, double at);
+  void end_zeno(std::size_t guard, double at, std::int8_t sign);
+  bool ends_zeno_after(double before, double after, double& seen);
+  std::vector<std::uint8_t> turned_back(double t, double tolerance);
+  void note_left_true(const std::vector<int>& fired);
   // Whether a function that was not looked at before fires at once.
   bool is_due(const Program::Guard& guard, double value) const;
   bool a_jump_fired() const;
@@ -91,6 +107,15 @@ class Events {
   std::vector<int> in_a_row_;
   std::vector<std::int8_t> sign_when_muted_;
   bool any_muted_ = false;
+  std::vector<double> woken_at_;    // s
+  std::vector<std::uint8_t> told_;  // guards whose endless events were told
+  // Per guard: whether its condition held still after its action, so that it must cease to hold before it can fire
+  // again. That may be too short to be seen.
+  enum LeftTrue : std::uint8_t { no, yes, by_zeno, is_turned };
+  std::vector<std::uint8_t> left_true_;
+  bool any_left_true_ = false;
+  std::vector<double> left_since_, left_value_;  // s, and the function's absolute value then
+  std::vector<Accumulation> accumulations_;      // per guard
 };
 
 }  // namespace plantloop

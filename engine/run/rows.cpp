@@ -94,11 +94,17 @@ void Rows::throw_blame(double t) {
 void Rows::append(double t, std::int8_t side) {
   if (static_cast<std::int64_t>(recording_.rows()) >= options_.max_rows) {
     throw LimitError(
-        fmt::format("at time {} s the result has {} rows, the limit (simulation: max_rows)", t, options_.max_rows), t);
+        fmt::format(
+            "at time {} s the result has {} rows, the limit (simulation: max_rows); an output_interval makes fewer{}",
+            t, options_.max_rows, run_.watch.hint()),
+        t);
   }
   if (recording_.rows() > most_rows_in_memory_) {
     throw LimitError(
-        fmt::format("at time {} s the result takes {:.1f} GB of memory, the limit", t, options_.max_memory / 1e9), t);
+        fmt::format(
+            "at time {} s the result takes {:.1f} GB of memory, the limit; an output_interval makes fewer rows{}", t,
+            options_.max_memory / 1e9, run_.watch.hint()),
+        t);
   }
   recording_.append(t, side, row_);
 }

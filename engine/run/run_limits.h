@@ -13,6 +13,9 @@ class RunLimits {
   RunLimits(RunState& run, const RunControl& control) : run_(run), control_(control) {}
   // To be called between steps; reports progress. Throws LimitError.
   void watch();
+  // Throws LimitError when the hits of a rate or the edges of a source alone are more than the run may have steps or
+  // rows; `columns`: of a row.
+  void foresee(std::size_t columns) const;
 
  private:
   void look_at_the_clock();

@@ -93,6 +93,7 @@ class Runner {
     reset_loops(program_, frame_.arena, kernels);
     for (const auto slot : program_.modes) frame_.arena[slot] = 0;
     run_.clockwork.emplace(frame_, run_.t, options_.stop);
+    if (!options_.only_start) limits_.foresee(rows_.recording().columns.size());
     frame_.arena[program_.time] = run_.t;
     has_continuous_ = frame_.state_count() > 0 || !events_.none();
     for (const Mask mask : program_.watch_masks)
@@ -293,10 +294,10 @@ class Runner {
         std::copy(before, before + n, states);
         throw solver_failed(
             frame_, program_.resolved->derivatives[program_.state_at[bad]],
-            RunError(
-                fmt::format("at time {:g} s a step of {:g} s gives no finite state; it may be too long", run_.t, h),
-                run_.t),
-            program_.state_names[bad]);
+            RunError(fmt::format("at time {:g} s a step of {:g} s gives no finite state {}; it may be too long", run_.t,
+                                 h, bad),
+                     run_.t),
+            fmt::format("state {}", bad), program_.state_names[bad]);
       }
       run_.t = grid(++k);
       ++run_.statistics.solver.steps;
@@ -328,7 +329,7 @@ class Runner {
       const auto place = static_cast<std::size_t>(std::max(e.state(), 0));
       const std::string& name = program_.state_names[place];
       const std::uint32_t derivative = program_.resolved->derivatives[program_.state_at[place]];
-      throw solver_failed(frame_, derivative, e, name);
+      throw solver_failed(frame_, derivative, e, fmt::format("state {}", place), name);
     }
   }
 

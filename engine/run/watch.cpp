@@ -12,6 +12,7 @@
 
 #include "engine/program/resolve.h"
 #include "engine/program/status_kernel.h"
+#include "engine/run/stiffness.h"
 
 namespace plantloop {
 
@@ -111,8 +112,9 @@ void RunWatch::modes_until(double t) {
 }
 
 void RunWatch::before_step(std::size_t states) {
-  if (short_steps_ != collapsed_steps - 1 || collapsed_) return;
   const double* x = frame_.arena + program_.states;
+  if (first_states_.empty()) first_states_.assign(x, x + states);
+  if (short_steps_ != collapsed_steps - 1 || collapsed_) return;
   states_before_.assign(x, x + states);
 }
 
@@ -121,11 +123,12 @@ void RunWatch::after_step(double before, double after, std::size_t states) {
   short_steps_ = is_short ? short_steps_ + 1 : 0;
   if (short_steps_ != collapsed_steps || collapsed_ || states_before_.size() != states) return;
   collapsed_ = true;
-  name_fastest_state(after, after - before);
+  explain_short_steps(after, after - before);
 }
 
-// The one that changes most in the last step, measured by itself.
-void RunWatch::name_fastest_state(double t, double h) {
+// The fastest state is the one that changes most in the last step, measured by itself. Steps that are as long as the
+// method is stable are a stiff equation's; shorter ones follow what moves.
+void RunWatch::explain_short_steps(double t, double h) {
   std::size_t fastest = 0;
   double most = -1;
   for (std::size_t i = 0; i < states_before_.size(); ++i) {
@@ -134,13 +137,36 @@ void RunWatch::name_fastest_state(double t, double h) {
     if (change > most) most = change, fastest = i;
   }
   const std::string& name = program_.state_names[fastest];
-  const std::string in = most > 0 ? fmt::format(", which changes by its own size within {:.2g} s", h / most) : "";
-  findings_.push_back(
-      {"step-size",
-       fmt::format(
-           "at time {:g} s the steps have collapsed to {:.2g} s; the fastest state is '{}'{}{}", t, h, name, in,
-           options_.solver == "bdf" || options_.solver == "ida" ? "" : "; solver: bdf is made for stiff equations"),
-       program_.state_sites[fastest]});
+  const bool moves = most > 0 && h / most < 1e-3 * (options_.stop - options_.start);  // else it is at rest
+  const std::string in = moves ? fmt::format(", which changes by its own size within {:.2g} s", h / most) : "";
+  const bool implicit = options_.solver == "bdf" || options_.solver == "ida";
+  const double border = options_.solver == "dopri5" ? 2 : options_.solver == "adams" ? 0.5 : 1.5;
+  const double eigenvalue = implicit ? 0 : fastest_eigenvalue(frame_, options_.rtol, options_.atol);
+  if (!implicit && h * eigenvalue < border) {
+    const bool driven = h * eigenvalue < 1e-3;
+    why_short_ = fmt::format("steps are {:.2g} s at time {:g} s; the fastest state is '{}'{}{}", h, t, name, in,
+                             driven ? ": what drives it is that fast" : "");
+    return;
+  }
+  findings_.push_back({"step-size",
+                       fmt::format("at time {:g} s the steps have collapsed to {:.2g} s; the fastest state is '{}'{}{}",
+                                   t, h, name, in, implicit ? "" : "; solver: bdf is made for stiff equations"),
+                       program_.state_sites[fastest]});
+}
+
+std::string RunWatch::hint() const {
+  constexpr double much = 1e9;
+  const double* const x = frame_.arena + program_.states;
+  std::size_t most = 0;
+  const auto growth = [&](std::size_t i) { return std::fabs(x[i]) / std::max(1.0, std::fabs(first_states_[i])); };
+  for (std::size_t i = 1; i < first_states_.size(); ++i) {
+    if (growth(i) > growth(most)) most = i;
+  }
+  if (!first_states_.empty() && growth(most) > much) {
+    return fmt::format("\n  state '{}' has grown to {:.3g}: the equations may diverge", program_.state_names[most],
+                       x[most]);
+  }
+  return why_short_.empty() ? "" : "\n  " + why_short_;
 }
 
 void RunWatch::finish(double t, bool whole, RunStatistics& statistics) {

@@ -27,12 +27,14 @@ class RunWatch {
   void before_step(std::size_t states);
   void after_step(double before, double after, std::size_t states);
 
+  // What may have made a run too long, for the message that ends it: "\n  ...", or nothing.
+  std::string hint() const;
   // What there is to say at the end; `whole` is false for a run that went on from a checkpoint.
   void finish(double t, bool whole, RunStatistics& statistics);
 
  private:
   void tell_statuses();
-  void name_fastest_state(double t, double h);
+  void explain_short_steps(double t, double h);
   const Program::Guard& guard(std::size_t g) const { return program_.guards[g]; }
   std::string name_of(std::size_t g) const;
   std::uint32_t site_of(std::size_t g) const;
@@ -58,6 +60,8 @@ class RunWatch {
   int short_steps_ = 0;
   bool collapsed_ = false;
   std::vector<double> states_before_;
+  std::vector<double> first_states_;
+  std::string why_short_;  // the steps are, where it is no finding
   std::vector<RunFinding> findings_;
 };
 

@@ -155,6 +155,27 @@ simulation: {stop: 1}
                     HasSubstr("solver: bdf is made for stiff equations")));
 }
 
+TEST(S17Run, CallsOnlyStiffWhatIsStiff) {
+  // Driven fast, and moving fast by itself: short steps, but none that an implicit method would lengthen.
+  EXPECT_THAT(outcome(R"yaml(
+blocks:
+  x: {type: integrator, in: cos(1000*time)}
+  p: {type: integrator, in: 1000*q, initial: 1}
+  q: {type: integrator, in: -1000*p}
+  end: {type: stop, in: time > 0.01}
+simulation: {stop: 4, max_step: 3e-6}
+)yaml")
+                  .text,
+              Not(HasSubstr("stiff")));
+  EXPECT_THAT(outcome(R"yaml(
+blocks:
+  x: {type: integrator, in: cos(1000*time)}
+simulation: {stop: 2000, output_interval: 10}
+)yaml")
+                  .text,
+              IsEmpty());
+}
+
 TEST(S17Run, NamesWhatChatters) {
   // A sliding mode with a tiny hysteresis: some 1e-7 s between events.
   const std::string text = outcome(R"(

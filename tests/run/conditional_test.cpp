@@ -65,6 +65,25 @@ expect:
   EXPECT_NEAR(reset.sampled("s.y", 3.5), 10.5 + 350, 1e-9);
 }
 
+TEST(S12Enabled, AnOutputKeepsTheValueOfTheOnlyInstantAtWhichItWasActive) {
+  // sin is zero at the start and then positive: active at the start instant alone.
+  const Signals r = run(R"(
+blocks:
+  u: sin(time)
+  lo: {expr: 2 + u, enable: {when: u <= 0, initial: 0}}
+  seven: {expr: 7, enable: {when: time <= 0, initial: 0}}
+  high: {expr: 3 + u, enable: {when: u > 0, initial: 3}}
+  y: {type: merge, in: [lo, high]}
+simulation: {stop: 3}
+record: [lo, seven, y]
+)");
+  EXPECT_EQ(r.at("lo", 0), 2);
+  EXPECT_NEAR(r.last("lo"), 2, 1e-12);
+  EXPECT_EQ(r.last("seven"), 7);
+  for (const double lo : r.column("lo")) ASSERT_NEAR(lo, 2, 1e-11);
+  for (const double y : r.column("y")) ASSERT_GE(y, 2);
+}
+
 TEST(S12Enabled, HitsAreSkippedWhileDisabledAndNotQueued) {
   // Counts the hits of a rate of 0.25 s that fall into [0.6, 1.6) and [2.1, 4]: 0.75 1 1.25 1.5 | 2.25 ... 4.
   const Signals r = run(R"(
