@@ -32,6 +32,7 @@ class Face {
     if (b_.type->name == "gain") into.shape = SheetBlock::Shape::gain;
     if (!b_.type->icon.empty()) {
       into.formula = from_icon();
+      into.note = limits_text();
       return;
     }
     if (can_draw_curve() && draw_curve(into)) return;
@@ -97,6 +98,19 @@ class Face {
     if (measure(with_values, sheet_style.text).width <= widest) return with_values;
     return formula_of(*icon,
                       [this](const Expression& name, bool is_factor) { return value_of(name, is_factor, false); });
+  }
+
+  // What the formula does not say: between which values the output is held.
+  std::string limits_text() const {
+    const auto value = [this](std::string_view name) -> std::string {
+      const auto found = setting(name);
+      if (!found || !found->parameter || found->parameter->is_default || !found->parameter->expression) return {};
+      return spoken(formula_of(*found->parameter->expression.code->tree));
+    };
+    const std::string lower = value("lower"), upper = value("upper");
+    if (lower.empty() && upper.empty()) return {};
+    if (lower.empty()) return "u ≤ " + upper;
+    return lower + " ≤ u" + (upper.empty() ? "" : " ≤ " + upper);
   }
 
   // Equations that are no expressions, as they stand; "; " ends a line.
@@ -188,7 +202,7 @@ class Face {
   }
 
   bool can_draw_curve() const {
-    if (!kind_.states.empty() || !kind_.lists.empty()) return false;
+    if (!kind_.states.empty() || !kind_.lists.empty() || b_.type->group == "run") return false;
     if (std::any_of(kind_.texts.begin(), kind_.texts.end(), [](const Text* t) { return t->spec.file; })) return false;
     if (is_source()) return true;
     return required_inputs() == 1 && kind_.outputs_declared.size() == 1 &&
@@ -295,11 +309,10 @@ class Face {
       first = "u: time";
     } else {
       const auto [from, until] = range();
-      // There and back, so that a hysteresis shows both of its ways.
-      first = fmt::format("u: where(time < 1, {0} + {1}*time, {0} + {1}*(2 - time))", shortest(from),
-                          shortest(until - from));
-      first = "u: \"" + first.substr(3) + "\"";
-      stop = kind_.discretes.empty() ? 1 : 2;
+      // There and, of what remembers, back; that twice, for it begins somewhere.
+      first = fmt::format("u: \"{} + {}*(1 - abs(1 - mod(time, 2)))\"", shortest(from), shortest(until - from));
+      if (!remembers()) first = fmt::format("u: \"{} + {}*time\"", shortest(from), shortest(until - from));
+      stop = remembers() ? 4 : 1;
     }
     std::string input;
     if (!is_source())
@@ -314,13 +327,20 @@ class Face {
     try {
       const auto run = diagram->run({}, report);
       if (!run) return false;
-      return scale(run->recording, into);
+      return scale(run->recording, !is_source() && remembers() ? 2 : start, into);
     } catch (const RunError&) {
       return false;
     }
   }
 
-  bool scale(const Recording& recording, SheetBlock& into) const {
+  // Whether the output depends on what was before.
+  bool remembers() const {
+    return !kind_.discretes.empty() ||
+           std::any_of(kind_.numbers.begin(), kind_.numbers.end(), [](const Number* n) { return n->spec.initial; });
+  }
+
+  // What happens from that time on.
+  bool scale(const Recording& recording, double since, SheetBlock& into) const {
     std::vector<Curve> curves;
     double left = INFINITY, right = -INFINITY, low = INFINITY, high = -INFINITY;
     for (std::size_t c = 1; c < recording.columns.size() && c <= 4; ++c) {
@@ -328,6 +348,7 @@ class Face {
       const std::vector<double> x = recording.column(0), y = recording.column(c);
       const bool stairs = recording.columns[c].rate != 0;
       for (std::size_t i = 0; i < x.size(); ++i) {
+        if (recording.time()[i] < since) continue;
         if (!std::isfinite(x[i]) || !std::isfinite(y[i])) return false;
         if (stairs && !curve.empty() && curve.back().y != y[i]) curve.push_back({x[i], curve.back().y});
         curve.push_back({x[i], y[i]});

@@ -90,7 +90,8 @@ class Setter {
   explicit Setter(const Substitute& substitute) : substitute_(substitute) {}
 
   // `least`: a part that binds less gets brackets.
-  Formula set(const Expression& e, int least) const {
+  Formula set(const Expression& whole, int least) const {
+    const Expression& e = without_ones(whole);
     if (e.kind == Kind::name && substitute_)
       if (std::optional<Formula> other = substitute_(e, least > 5)) return *std::move(other);
     Formula f = plain(e);
@@ -160,6 +161,13 @@ class Setter {
     return other && other->kind == Formula::Kind::text && other->text == "1";
   }
 
+  const Expression& without_ones(const Expression& e) const {
+    if (e.kind != Kind::binary || e.text != "*") return e;
+    if (is_one(*e.arguments[0])) return without_ones(*e.arguments[1]);
+    if (is_one(*e.arguments[1])) return without_ones(*e.arguments[0]);
+    return e;
+  }
+
   Formula binary(const Expression& e) const {
     const Expression &a = *e.arguments[0], &b = *e.arguments[1];
     if (e.text == "/") {
@@ -168,8 +176,8 @@ class Setter {
     }
     if (e.text == "^") return {Formula::Kind::power, {set(a, 9), set(b, 0)}};
     if (e.text == "*") {
-      if (is_one(a)) return set(b, 7);
-      if (is_one(b)) return set(a, 6);
+      // −1 s is −s.
+      if (a.kind == Kind::unary && a.text == "-" && is_one(*a.arguments[0])) return row({"−", set(b, 7)});
       // (1/p) s is s/p.
       if (Formula first = set(a, 6), second = set(b, 7); first.kind == Formula::Kind::fraction && is_flat(second)) {
         const bool one = first.parts[0].kind == Formula::Kind::text && first.parts[0].text == "1";
@@ -203,11 +211,19 @@ class Setter {
     return row(std::move(parts));
   }
 
+  // One below the other, however many are nested behind each other's else.
+  Formula cases(const Expression& e) const {
+    std::vector<Formula> lines;
+    const Expression* rest = &e;
+    for (; rest->kind == Kind::call && rest->text == "where" && rest->arguments.size() == 3;
+         rest = rest->arguments[2].get())
+      lines.push_back(row({set(*rest->arguments[1], 0), "  if ", set(*rest->arguments[0], 0)}));
+    lines.push_back(row({set(*rest, 0), "  else"}));
+    return {Formula::Kind::cases, std::move(lines)};
+  }
+
   Formula call(const Expression& e) const {
-    if (e.text == "where" && e.arguments.size() == 3)
-      return {
-          Formula::Kind::cases,
-          {row({set(*e.arguments[1], 0), "  if ", set(*e.arguments[0], 0)}), row({set(*e.arguments[2], 0), "  else"})}};
+    if (e.text == "where" && e.arguments.size() == 3) return cases(e);
     if (e.text == "abs" && e.arguments.size() == 1) return row({"|", set(*e.arguments[0], 0), "|"});
     if (e.text == "exp" && e.arguments.size() == 1) {
       Formula power = set(*e.arguments[0], 0);

@@ -37,9 +37,10 @@ class SheetMaker {
     const GraphScope& scope = g_.scopes[scope_];
     if (scope_ != 0) add_inputs(scope);
     for (std::size_t i = 0; i < scope.type->blocks.size(); ++i) add_child(g_.children[scope.first_child + i]);
-    for (const Pending& p : pending_) connect(p.driver, p.to, p.path);
+    connect_pending();
     for (const std::uint32_t net : named_) source_of(net);
     if (scope_ != 0) add_outputs(scope);
+    connect_pending();
     mark_results();
     drop_unread_outputs();
     if (scope_ != 0) sheet_.path = scope.path + ".";
@@ -58,6 +59,16 @@ class SheetMaker {
   int add(SheetBlock block) {
     sheet_.blocks.push_back(std::move(block));
     return static_cast<int>(sheet_.blocks.size()) - 1;
+  }
+
+  // What is connected may need further blocks, with inputs of their own.
+  void connect_pending() {
+    for (std::size_t i = 0; i < pending_.size(); ++i) {
+      const Pending p = pending_[i];
+      connect(p.driver, p.to, p.path);
+    }
+    pending_.clear();
+    for (const auto& [net, to] : std::exchange(unwired_, {})) wire_from(source_of(net)).to.push_back(to);
   }
 
   // ---- ports of the sheet
@@ -101,7 +112,8 @@ class SheetMaker {
 
   void add_child(const GraphChild& child) {
     if (child.kind == GraphChild::Kind::bad || options_.hidden.contains(path_of(child))) return;
-    if (child.kind == GraphChild::Kind::scope) return add_subsystem(child.index);
+    if (child.kind == GraphChild::Kind::scope) return (void)add_subsystem(child.index);
+    if (child.kind == GraphChild::Kind::repeat) return add_repeated(g_.repeats[child.index]);
     if (child.kind != GraphChild::Kind::block) return;
     const GraphBlock& graph_block = g_.blocks[child.index];
     if (graph_block.type == nullptr) {
@@ -109,10 +121,115 @@ class SheetMaker {
       names_[graph_block.first_output] = graph_block.declaration;
       return;
     }
-    add_block(graph_block);
+    add_block(child.index);
   }
 
-  void add_block(const GraphBlock& from) {
+  // All copies are one block. It is drawn as one in the middle is connected, to others of the copies by a wire that
+  // leads back to it; what the two ends get instead has inputs of its own.
+  void add_repeated(const GraphRepeat& repeat) {
+    const auto copy = [&](std::uint32_t k) { return g_.copies[repeat.first_copy + k]; };
+    if (repeat.count == 0) return;
+    const std::uint32_t middle = repeat.count > 2 ? 1 : 0;
+    const GraphChild shown = copy(middle);
+    if (shown.kind == GraphChild::Kind::bad) return;
+    int index = 0;
+    if (shown.kind == GraphChild::Kind::scope) {
+      index = add_subsystem(shown.index);
+    } else if (g_.blocks[shown.index].type != nullptr) {
+      index = add_block(shown.index);
+    } else {
+      index = add_repeated_expression(g_.blocks[shown.index], repeat);
+    }
+    SheetBlock& b = sheet_.blocks[static_cast<std::size_t>(index)];
+    b.copies = static_cast<int>(repeat.count);
+    b.caption = fmt::format("{} × {}", shown_name(*repeat.declaration), repeat.count);
+    labels_.erase(first_output(shown));
+    if (b.formula.kind == Formula::Kind::text && b.is_subsystem) b.formula = repeat.declaration->type;
+    const std::set<std::uint32_t> recorded = scope_ == 0 ? recorded_nets() : std::set<std::uint32_t>();
+    for (std::uint32_t k = 0; k < repeat.count; ++k) add_ends(copy(k), shown, index, recorded);
+    if (repeat.net != nowhere) sources_[repeat.net] = {index, 0};
+    if (recorded.contains(repeat.net)) nets_[repeat.net] = {index, 0};
+  }
+
+  std::uint32_t first_output(const GraphChild& child) const {
+    return child.kind == GraphChild::Kind::scope ? g_.scopes[child.index].first_output
+                                                 : g_.blocks[child.index].first_output;
+  }
+
+  // The outputs of a copy are those of the one that is shown; its inputs, too, but for those wired in another way.
+  void add_ends(const GraphChild& copy, const GraphChild& shown, int index, const std::set<std::uint32_t>& recorded) {
+    if (copy.kind != shown.kind || copy.index == shown.index) return;
+    const bool is_scope = copy.kind == GraphChild::Kind::scope;
+    const std::uint32_t outputs = is_scope ? static_cast<std::uint32_t>(g_.scopes[copy.index].type->outputs.size())
+                                           : g_.blocks[copy.index].outputs;
+    for (std::uint32_t i = 0; i < outputs; ++i) {
+      const std::uint32_t net = first_output(copy) + i;
+      const SheetPort port = sources_.at(first_output(shown) + i);
+      sources_[net] = port;
+      if (!recorded.contains(net)) continue;
+      nets_.erase(first_output(shown) + i);
+      nets_[net] = port;
+    }
+    if (!is_scope && g_.blocks[copy.index].type == nullptr) return;
+    const std::uint32_t first = is_scope ? g_.scopes[copy.index].first_input : g_.blocks[copy.index].first_input;
+    const std::uint32_t own = is_scope ? g_.scopes[shown.index].first_input : g_.blocks[shown.index].first_input;
+    const std::uint32_t inputs =
+        is_scope ? static_cast<std::uint32_t>(g_.scopes[copy.index].type->inputs.size()) : g_.blocks[copy.index].inputs;
+    SheetBlock& b = sheet_.blocks[static_cast<std::size_t>(index)];
+    if (b.inside) return;
+    for (std::uint32_t i = 0; i < inputs; ++i) {
+      const GraphNet &net = g_.nets[first + i], &usual = g_.nets[own + i];
+      if (net.by_parameter || !net.is_connected || !net.driver || net.driver.code == usual.driver.code) continue;
+      const BoundExpression& bound = net.driver;
+      const bool is_first = bound.copy == 1;
+      const std::string name =
+          is_scope ? g_.scopes[copy.index].type->inputs[i].name : std::string(input_name(g_.blocks[copy.index], i));
+      b.inputs.push_back((is_first ? "first: " : "last: ") + pretty_name(name));
+      pending_.push_back({bound,
+                          {index, static_cast<int>(b.inputs.size()) - 1},
+                          fmt::format("{}<{}{}", b.path, is_first ? "first" : "last", i)});
+    }
+  }
+
+  static std::string_view input_name(const GraphBlock& block, std::uint32_t input) {
+    const Block& kind = *block.type->block;
+    return kind.lists.empty() ? kind.inputs[input]->name : std::string_view();
+  }
+
+  int add_repeated_expression(const GraphBlock& from, const GraphRepeat& repeat) {
+    const GraphNet& net = g_.nets[from.first_output];
+    bind(net.driver);
+    const SheetPort port = build_box(*net.driver.code->tree, repeat.declaration->name, true);
+    sources_[from.first_output] = nets_[from.first_output] = port;
+    return port.block;
+  }
+
+  // The condition under which a block or subsystem runs.
+  void add_conditions(GraphChild::Kind kind, std::uint32_t child, int index) {
+    for (std::size_t i = 1; i < g_.activations.size(); ++i) {
+      const GraphActivation& a = g_.activations[i];
+      if (a.owner.kind != kind || a.owner.index != child) continue;
+      const std::string edge = !a.declaration->trigger                     ? ""
+                               : a.declaration->trigger->edge == "rising"  ? " ↑"
+                               : a.declaration->trigger->edge == "falling" ? " ↓"
+                                                                           : " ↕";
+      if (a.enable_when) add_condition(a.enable_when, "enable", index);
+      if (a.trigger_when) add_condition(a.trigger_when, "trigger" + edge, index);
+    }
+  }
+
+  // At the top of the block, where there is one only.
+  void add_condition(const BoundExpression& when, const std::string& name, int index) {
+    if (!reads_signals(when)) return;
+    SheetBlock& b = sheet_.blocks[static_cast<std::size_t>(index)];
+    b.inputs.push_back(name);
+    const int port = static_cast<int>(b.inputs.size()) - 1;
+    if (b.top_input < 0 && b.shape == Shape::box && !b.inside) b.top_input = port;
+    pending_.push_back({when, {index, port}, b.path + "<" + name.substr(0, name.find(' '))});
+  }
+
+  int add_block(std::uint32_t block_index) {
+    const GraphBlock& from = g_.blocks[block_index];
     const Block& kind = *from.type->block;
     SheetBlock b;
     b.path = from.declaration->name;
@@ -121,7 +238,8 @@ class SheetMaker {
       b.inputs.push_back(kind.lists.empty() ? pretty_name(kind.inputs[i]->name) : "");
     for (const Output* o : kind.outputs_declared) b.outputs.push_back(pretty_name(o->name));
     give_face(g_, from, b);
-    if (options_.rates && from.rate.kind == GraphRate::Kind::discrete) b.note = rate_text(from.rate);
+    if (options_.rates && from.rate.kind == GraphRate::Kind::discrete)
+      b.note += (b.note.empty() ? "" : ", ") + rate_text(from.rate);
     drop_unfed_inputs(from, b);
     const std::string name = shown_name(*from.declaration);
     const bool on_wire = b.outputs.size() == 1 && (is_symbol(from.declaration->name) || b.shape == Shape::circle);
@@ -137,7 +255,10 @@ class SheetMaker {
       if (from.outputs > 1) results_[from.first_output + i] = name + "." + pretty_name(kind.outputs_declared[i]->name);
     for (std::size_t i = 0; i < fed_.size(); ++i)
       pending_.push_back({g_.nets[fed_[i]].driver, {index, static_cast<int>(i)}, path + "<" + std::to_string(i)});
-    if (from.reset_when && reads_signals(from.reset_when)) add_reset(from, index, path);
+    add_reset(from.reset_when, from.reset_to, index, path);
+    add_conditions(GraphChild::Kind::block, block_index, index);
+    if (from.type->group == "run") ends_.insert(index);
+    return index;
   }
 
   // Inputs that no signal feeds are parameters in the picture.
@@ -156,10 +277,15 @@ class SheetMaker {
     b.inputs = std::move(texts);
   }
 
-  void add_reset(const GraphBlock& from, int index, const std::string& path) {
-    SheetBlock& b = sheet_.blocks[static_cast<std::size_t>(index)];
-    b.inputs.emplace_back("reset");
-    pending_.push_back({from.reset_when, {index, static_cast<int>(b.inputs.size()) - 1}, path + "<reset"});
+  void add_reset(const BoundExpression& when, const BoundExpression& to, int index, const std::string& path) {
+    const auto add = [&](const BoundExpression& bound, const char* name) {
+      SheetBlock& b = sheet_.blocks[static_cast<std::size_t>(index)];
+      b.inputs.emplace_back(name);
+      pending_.push_back({bound, {index, static_cast<int>(b.inputs.size()) - 1}, path + "<" + name});
+    };
+    if (!when || !reads_signals(when)) return;
+    add(when, "reset");
+    if (to && reads_signals(to)) add(to, "to");
   }
 
   std::string rate_text(GraphRate rate) const {
@@ -184,7 +310,7 @@ class SheetMaker {
     return {Formula::Kind::lines, std::move(lines)};
   }
 
-  void add_subsystem(std::uint32_t s) {
+  int add_subsystem(std::uint32_t s) {
     const GraphScope& scope = g_.scopes[s];
     SheetBlock b;
     b.path = scope.declaration->name;
@@ -234,6 +360,11 @@ class SheetMaker {
     for (std::size_t i = 0; i < fed.size(); ++i)
       if (g_.nets[fed[i]].driver)
         pending_.push_back({g_.nets[fed[i]].driver, {index, static_cast<int>(i)}, path + "<" + std::to_string(i)});
+    if (!open) {
+      add_reset(scope.reset_when, scope.reset_to, index, path);
+      add_conditions(GraphChild::Kind::scope, s, index);
+    }
+    return index;
   }
 
   // ---- wires
@@ -298,13 +429,18 @@ class SheetMaker {
     if (!graph_net.driver || building_.contains(net)) return placeholder(net);
     building_.insert(net);
     bind(graph_net.driver);
-    const SheetPort port = build(*graph_net.driver.code->tree, decl.name);
+    const Expression& tree = *graph_net.driver.code->tree;
+    // What runs under a condition is one box, so that the condition has a place.
+    const bool conditional = decl.enable || decl.trigger;
+    const SheetPort port = conditional ? build_box(tree, decl.name) : build(tree, decl.name);
+    if (conditional) add_conditions(GraphChild::Kind::block, graph_net.owner, port.block);
     building_.erase(net);
     sources_[net] = port;
     const std::string shown = shown_name(decl);
     SheetBlock& b = block(port);
     // An expression that is a plain name is another name of that signal.
-    if (graph_net.driver.code->is_name() && labels_of_port_.contains({port.block, port.port})) return port;
+    if (graph_net.driver.code->is_name() && labels_of_port_.contains({port.block, port.port}) && !conditional)
+      return port;
     if (!nets_.contains(net)) nets_[net] = port;
     if (b.shape == Shape::box && b.caption.empty() && !is_symbol(decl.name)) {
       b.caption = shown;
@@ -451,13 +587,17 @@ class SheetMaker {
   static Formula gain_formula(const std::vector<Part>& numbers, bool minus) {
     std::vector<Formula> over, under;
     const Expression* before[2] = {nullptr, nullptr};
+    const auto below = std::count_if(numbers.begin(), numbers.end(), [](const Part& p) { return p.inverse; });
+    const auto above = static_cast<std::ptrdiff_t>(numbers.size()) - below;
     for (const Part& p : numbers) {
+      // A sum needs brackets only beside others, or behind a minus.
+      const bool is_factor = (p.inverse ? below : above) > 1 || (minus && below == 0);
       std::vector<Formula>& into = p.inverse ? under : over;
       if (const Expression* last = before[p.inverse]) {
         const bool dot = p.node->kind == Kind::number || is_word(*p.node) || is_word(*last);
         into.emplace_back(dot ? " · " : " ");
       }
-      into.push_back(formula_of(*p.node, {}, true));
+      into.push_back(formula_of(*p.node, {}, is_factor));
       before[p.inverse] = p.node;
     }
     if (over.empty()) over.emplace_back("1");
@@ -487,7 +627,7 @@ class SheetMaker {
   }
 
   // The whole expression as a formula over the signals that it reads.
-  SheetPort build_box(const Expression& e, const std::string& path) {
+  SheetPort build_box(const Expression& e, const std::string& path, bool later = false) {
     std::vector<std::uint32_t> read;
     std::map<std::uint32_t, std::string> text;
     collect(e, read, text);
@@ -504,8 +644,12 @@ class SheetMaker {
       b.formula = Formula(Formula::Kind::row, std::move(words));
     }
     const int index = add(std::move(b));
-    for (std::size_t i = 0; i < read.size(); ++i)
-      wire_from(source_of(read[i])).to.push_back({index, static_cast<int>(i)});
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      if (later)
+        unwired_.push_back({read[i], {index, static_cast<int>(i)}});
+      else
+        wire_from(source_of(read[i])).to.push_back({index, static_cast<int>(i)});
+    }
     return {index, 0};
   }
 
@@ -539,6 +683,7 @@ class SheetMaker {
       const auto it = wire_at_.find({port.block, port.port});
       const bool unread = it == wire_at_.end();
       if (unread && (block(port).outputs.size() > 1 ? !recorded : scope_ != 0)) continue;
+      if (unread && !recorded && ends_.contains(port.block)) continue;
       SheetWire& wire = wire_from(port);
       if (const auto label = labels_.find(net); label != labels_.end()) wire.label = label->second;
       // What leaves the sheet under the same name needs no second label.
@@ -623,6 +768,8 @@ class SheetMaker {
   const SheetOptions options_;
   Sheet sheet_;
   std::vector<Pending> pending_;
+  std::vector<std::pair<std::uint32_t, SheetPort>> unwired_;  // nets, and the inputs that wait for them
+  std::set<int> ends_;                                        // blocks that act on the run, not on the diagram
   std::vector<std::uint32_t> named_, fed_;
   std::map<std::uint32_t, const BlockDecl*> names_;  // expression blocks by their nets
   std::map<std::uint32_t, SheetPort> sources_;       // of every net that has been drawn

@@ -305,7 +305,11 @@ class Arranger {
   void choose_sides() {
     for (Element& e : web_.elements)
       if (e.in_side.size() != e.in.size()) e.in_side.assign(e.in.size(), e.is_feedback ? Side::right : Side::left);
+    for (Element& e : web_.elements)
+      if (const int top = top_input(e); top >= 0) e.in_side[static_cast<std::size_t>(top)] = Side::top;
   }
+
+  int top_input(const Element& e) const { return e.block >= 0 && e.shape == Shape::box ? block(e).top_input : -1; }
 
   void move_ports_to_edges() {
     int last = 0;
@@ -364,23 +368,41 @@ class Arranger {
         e.half_width = std::max(29.0, face.width * 0.82 + 10);
         break;
       case Shape::box: {
-        const std::size_t ports = std::max({std::size_t{1}, e.in.size(), e.out.size()});
+        const std::size_t left = e.in.size() - (b.top_input >= 0 ? 1 : 0);
+        const std::size_t ports = std::max({std::size_t{1}, left, e.out.size()});
         double names_left = 0, names_right = 0;
-        if (e.in.size() > 1)
-          for (const std::string& text : e.in_text) names_left = std::max(names_left, width_of(text, s.caption) + 8);
+        if (left > 1)
+          for (std::size_t i = 0; i < e.in.size(); ++i)
+            if (static_cast<int>(i) != b.top_input)
+              names_left = std::max(names_left, width_of(e.in_text[i], s.caption) + 8);
         if (e.out.size() > 1)
           for (const std::string& text : b.outputs) names_right = std::max(names_right, width_of(text, s.caption) + 8);
         const double names = names_left > 0 || names_right > 0 ? 2 * std::max(names_left, names_right) : 0;
         e.half_width = std::max(s.box_width / 2, (face.width + names) / 2 + s.padding);
         e.half_height = std::max({s.box_height / 2, face.height() / 2 + s.padding - 3,
                                   static_cast<double>(ports) * s.port_gap / 2 + (ports > 1 ? 7 : 0)});
+        if (b.top_input >= 0) {
+          // The name of what comes from above stands inside, above the face.
+          e.half_height += s.top_name / 2;
+          e.half_width = std::max(
+              e.half_width, width_of(e.in_text[static_cast<std::size_t>(b.top_input)], s.caption) / 2 + s.padding);
+        }
+        if (b.copies > 1) {
+          e.half_width += s.stack;
+          e.half_height += s.stack;
+        }
         break;
       }
     }
     e.left = e.right = e.half_width;
     e.above = e.below = e.half_height;
-    e.in_offset = spread(e.in.size());
     e.out_offset = spread(e.out.size());
+    if (b.top_input >= 0 && e.shape == Shape::box) {
+      e.in_offset = spread(e.in.size() - 1);
+      e.in_offset.insert(e.in_offset.begin() + b.top_input, 0);
+    } else {
+      e.in_offset = spread(e.in.size());
+    }
     for (std::size_t i = 0; i < e.in.size(); ++i)
       if (e.in_side[i] == Side::top || e.in_side[i] == Side::bottom || e.shape == Shape::circle) e.in_offset[i] = 0;
   }

@@ -86,6 +86,8 @@ struct SheetStyle {
   double lane_gap = 26;                    // between neighbouring horizontal lines
   double row_gap = 30;                     // between neighbouring blocks of a column
   double frame_margin = 26;
+  double top_name = 16;  // height of the name of what enters a box from above
+  double stack = 5;      // from one outline of a repeated block to the next
 };
 inline constexpr SheetStyle sheet_style{};
 

@@ -57,7 +57,7 @@ class Columns {
       const Net& net = web_.nets[static_cast<std::size_t>(e.out[0])];
       if (net.sinks.size() != 1) continue;
       const Element& to = element(net.sinks[0].element);
-      if (to.shape != Shape::circle || to.is_feedback) continue;
+      if (to.is_feedback) continue;
       const Side side = to.in_side[static_cast<std::size_t>(net.sinks[0].port)];
       e.is_above = side == Side::top;
       e.is_below = side == Side::bottom;

@@ -178,35 +178,56 @@ class Drawer {
         draw_gain(group, block, placed, box, centre);
         break;
       case Shape::box:
-        outline(group, rounded(box, 4), face_, theme_.text, line_width);
-        if (block.is_subsystem) {
-          Stroke inner = line(theme_.axis, 1.0);
-          Curve ring = rounded({box.left + 4, box.top + 4, box.right - 4, box.bottom - 4}, 2);
-          ring.push_back(ring.front());
-          inner.lines = {to_polyline(ring)};
-          group.add({std::move(inner)});
-        }
-        if (block.curves.empty()) {
-          formula(group, block.formula, {centre.x + port_shift(block, placed), centre.y}, theme_.text, face_);
-        } else {
-          draw_curves(group, block, centre);
-        }
-        port_names(group, placed, origin);
+        draw_box(group, block, placed, box, origin);
         break;
     }
     caption(group, block, box, placed.caption_above, paper);
   }
 
+  void draw_box(Group& group, const SheetBlock& block, const PlacedBlock& placed, const Box& box, Spot origin) const {
+    // Of a stack the front is where the inputs arrive, the back where the output leaves.
+    Box front = box;
+    if (block.copies > 1) {
+      const double step = sheet_style.stack;
+      for (const double k : {2.0, 1.0, 0.0}) {
+        const double x = k * step;
+        front = {box.left + x, box.top + 2 * step - x, box.right - 2 * step + x, box.bottom - x};
+        if (placed.is_flipped) front = {box.left + 2 * step - x, front.top, box.right - x, front.bottom};
+        if (k > 0) outline(group, rounded(front, 4), face_, theme_.text, 1.1);
+      }
+    }
+    outline(group, rounded(front, 4), face_, theme_.text, line_width);
+    if (block.is_subsystem) {
+      Stroke inner = line(theme_.axis, 1.0);
+      Curve ring = rounded({front.left + 4, front.top + 4, front.right - 4, front.bottom - 4}, 2);
+      ring.push_back(ring.front());
+      inner.lines = {to_polyline(ring)};
+      group.add({std::move(inner)});
+    }
+    Spot centre{(front.left + front.right) / 2, (front.top + front.bottom) / 2};
+    if (block.top_input >= 0) {
+      const std::string& name = placed.inputs[static_cast<std::size_t>(block.top_input)].text;
+      const double size = sheet_style.caption;
+      text(group, name, size, centre.x, front.top + size + 3, 0.5, theme_.muted, face_);
+      centre.y += sheet_style.top_name / 2;
+    }
+    if (block.curves.empty()) {
+      formula(group, block.formula, {centre.x + port_shift(placed), centre.y}, theme_.text, face_);
+    } else {
+      draw_curves(group, block, centre);
+    }
+    port_names(group, placed, origin);
+  }
+
   // A face moves away from the names of ports on one side only.
-  double port_shift(const SheetBlock& block, const PlacedBlock& placed) const {
+  static double port_shift(const PlacedBlock& placed) {
     const auto widest = [&](const std::vector<PlacedPort>& ports) {
       double w = 0;
-      if (ports.size() > 1)
+      if (beside(ports) > 1)
         for (const PlacedPort& p : ports)
-          if (!p.text.empty()) w = std::max(w, set_label(p.text, {.size = sheet_style.caption}).width);
+          if (!p.text.empty() && is_beside(p)) w = std::max(w, set_label(p.text, {.size = sheet_style.caption}).width);
       return w;
     };
-    (void)block;
     const double shift = (widest(placed.inputs) - widest(placed.outputs)) / 2;
     return placed.is_flipped ? -shift : shift;
   }
@@ -259,6 +280,11 @@ class Drawer {
     if (!signs.lines.empty()) into.add({std::move(signs)});
   }
 
+  static bool is_beside(const PlacedPort& p) { return p.side == Side::left || p.side == Side::right; }
+  static std::ptrdiff_t beside(const std::vector<PlacedPort>& ports) {
+    return std::count_if(ports.begin(), ports.end(), is_beside);
+  }
+
   void draw_curves(Group& into, const SheetBlock& block, Spot centre) const {
     const double w = 46, h = 30;
     const auto at = [&](Spot s) { return Spot{centre.x + (s.x - 0.5) * w, centre.y - (s.y - 0.5) * h}; };
@@ -279,9 +305,9 @@ class Drawer {
   void port_names(Group& into, const PlacedBlock& placed, Spot origin) const {
     const double size = sheet_style.caption;
     for (const auto* ports : {&placed.inputs, &placed.outputs}) {
-      if (ports->size() < 2) continue;
+      if (beside(*ports) < 2) continue;
       for (const PlacedPort& p : *ports) {
-        if (p.text.empty() || (p.side != Side::left && p.side != Side::right)) continue;
+        if (p.text.empty() || !is_beside(p)) continue;
         const bool left = p.side == Side::left;
         text(into, p.text, size, origin.x + p.at.x + (left ? 6 : -6), origin.y + p.at.y + 0.36 * size, left ? 0 : 1,
              theme_.muted, face_);

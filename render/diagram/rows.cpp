@@ -85,7 +85,8 @@ class Rows {
           if (other.flow != mine.flow || other.from_left == mine.from_left) continue;
           const double y = item(other.item).y + other.offset, circle = item(corner.element).y;
           const double distance = corner.from_above ? circle - y : y - circle;
-          if (distance < sheet_style.circle + sheet_style.stub || std::abs(y - corner.y) < 0.1) continue;
+          const double half = web_.elements[static_cast<std::size_t>(corner.element)].half_height;
+          if (distance < half + sheet_style.stub || std::abs(y - corner.y) < 0.1) continue;
           if (!is_free_way(corner, y, circle)) continue;
           corner.y = y;
           break;

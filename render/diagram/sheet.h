@@ -40,6 +40,8 @@ struct SheetBlock {
   std::vector<std::string> inputs, outputs;  // one text for each port; shown where there are several
   bool has_state = false;                    // of a plant rather than of a sensor
   bool is_subsystem = false;
+  int copies = 1;      // more than one: a repeated block, drawn as a stack
+  int top_input = -1;  // of a box: the input that comes in at the top, such as the condition under which it runs
   // The inside, drawn in a frame; its blocks of shapes input and output are the ports, in order.
   std::shared_ptr<const Sheet> inside;
 };

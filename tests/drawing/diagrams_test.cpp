@@ -151,6 +151,45 @@ TEST(Drawing, ShowsTransferFunctionsWithTheirNumbersAndNames) {
   EXPECT_EQ(spoken(block(sheet, "lag").formula), "(1)/(0.1 s + 1)");
 }
 
+TEST(Drawing, WritesNoBracketsAndNoOnesThatAreNotNeeded) {
+  const auto graph = graph_of_text(
+      "parameters: {q: 1, V: 2, cooling: 3}\nblocks:\n  u: {type: step, time: 1}\n"
+      "  late: {type: transport_delay, in: u, delay: 1}\n  lead: {type: lead_lag, in: u, lead: 0.2, lag: 1}\n"
+      "  loss: (q/V + cooling)*u\n  both: V*(q + cooling)*u\n"
+      "  pick: where(u > 2, 3*u, where(u > 1, 2*u, where(u > 0, u, 0)))\n");
+  const Sheet sheet = sheet_of(*graph, 0, {});
+  EXPECT_EQ(spoken(block(sheet, "late").formula), "e^(−s)");
+  EXPECT_EQ(spoken(block(sheet, "lead").formula), "(0.2 s + 1)/(s + 1)");
+  EXPECT_EQ(spoken(block(sheet, "loss").formula), "(q)/(V) + cooling");
+  EXPECT_EQ(spoken(block(sheet, "both").formula), "V (q + cooling)");
+  EXPECT_EQ(block(sheet, "pick").formula.kind, Formula::Kind::cases);
+  EXPECT_EQ(block(sheet, "pick").formula.parts.size(), 4u);
+}
+
+TEST(Drawing, SaysBetweenWhichLimitsAControllerWorks) {
+  const auto graph = graph_of_text(
+      "blocks:\n  u: {type: step, time: 1}\n  c: {type: pi, in: u, lower: -1, upper: 5}\n"
+      "  d: {type: pi, in: u, upper: 5}\n  e: {type: pi, in: u}\n");
+  const Sheet sheet = sheet_of(*graph, 0, {});
+  EXPECT_EQ(block(sheet, "c").note, "−1 ≤ u ≤ 5");
+  EXPECT_EQ(block(sheet, "d").note, "u ≤ 5");
+  EXPECT_EQ(block(sheet, "e").note, "");
+}
+
+// Play is a closed loop: both ways through the middle, as far from it on either side.
+TEST(Drawing, ShowsBothWaysOfPlay) {
+  const auto graph = graph_of_text("blocks:\n  u: {type: sine}\n  y: {type: backlash, in: u, width: 1}\n");
+  const Sheet sheet = sheet_of(*graph, 0, {});
+  ASSERT_EQ(block(sheet, "y").curves.size(), 1u);
+  std::vector<double> middles;
+  const Curve& curve = block(sheet, "y").curves[0];
+  for (std::size_t i = 1; i < curve.size(); ++i)
+    if ((curve[i - 1].y - 0.5) * (curve[i].y - 0.5) < 0) middles.push_back(curve[i].x);
+  ASSERT_EQ(middles.size(), 2u);
+  EXPECT_NEAR(middles[0] + middles[1], 1, 0.06);
+  EXPECT_GT(std::abs(middles[0] - middles[1]), 0.15);
+}
+
 TEST(Drawing, ShowsWhatASaturationDoesAsACurve) {
   const auto graph = graph_of_text("blocks:\n  u: {type: sine}\n  y: {type: saturation, in: u, lower: -1, upper: 3}\n");
   const Sheet sheet = sheet_of(*graph, 0, {});
@@ -175,6 +214,91 @@ TEST(Drawing, DoesNotChangeWhenTheBlocksOfTheFileAreShuffled) {
     return to_svg(draw(sheet, arrange(sheet)));
   };
   EXPECT_EQ(svg(r + e + c + y), svg(y + c + e + r));
+}
+
+const SheetWire* wire_to(const Sheet& sheet, const std::string& path, const std::string& input) {
+  for (const SheetWire& wire : sheet.wires)
+    for (const SheetPort& to : wire.to) {
+      const SheetBlock& b = sheet.blocks[static_cast<std::size_t>(to.block)];
+      if (b.path == path && b.inputs[static_cast<std::size_t>(to.port)] == input) return &wire;
+    }
+  return nullptr;
+}
+
+std::string from(const Sheet& sheet, const std::string& path, const std::string& input) {
+  const SheetWire* wire = wire_to(sheet, path, input);
+  return wire ? sheet.blocks[static_cast<std::size_t>(wire->from.block)].path : "nothing";
+}
+
+constexpr const char* chain =
+    "types:\n  cell:\n    inputs: [before, after]\n"
+    "    blocks: {y: {type: integrator, in: before - 2*y + after}}\n    outputs: [y]\n"
+    "blocks:\n  left: {type: step, time: 1}\n"
+    "  cell: {type: cell, repeat: 5, in: {before: previous.y, after: next.y}, first: {before: left}, last: {after: "
+    "0}}\n";
+
+TEST(Drawing, ShowsARepeatedBlockAsOneStackWithItsEnds) {
+  const auto graph = graph_of_text(std::string(chain) + "  seen: 2*cell.3.y\nrecord: [seen]\n");
+  const Sheet sheet = sheet_of(*graph, 0, {});
+  const SheetBlock& cell = block(sheet, "cell");
+  EXPECT_EQ(cell.copies, 5);
+  EXPECT_EQ(cell.caption, "cell × 5");
+  EXPECT_EQ(from(sheet, "cell", "before"), "cell");
+  EXPECT_EQ(from(sheet, "cell", "after"), "cell");
+  EXPECT_EQ(from(sheet, "cell", "first: before"), "left");
+  EXPECT_EQ(from(sheet, "cell", "last: after"), "cell<last1");
+  EXPECT_EQ(from(sheet, "seen", ""), "cell");
+  EXPECT_EQ(cell.inputs.size(), 4u);
+  const Arrangement a = arrange(sheet);
+  EXPECT_THAT(faults(sheet, a), IsEmpty());
+  EXPECT_THAT(lint(draw(sheet, a)), IsEmpty());
+}
+
+TEST(Drawing, ShowsADiagramOfOneRepeatedBlock) {
+  for (const char* text : {"blocks:\n  x: {type: integrator, repeat: 3, in: 1}\n",
+                           "blocks:\n  x: {type: first_order, repeat: 4, in: previous, tau: 1, first: {u: 1}}\n"}) {
+    const Sheet sheet = sheet_of(*graph_of_text(text), 0, {});
+    EXPECT_GT(block(sheet, "x").copies, 2) << text;
+    EXPECT_THAT(faults(sheet, arrange(sheet)), IsEmpty()) << text;
+  }
+}
+
+// What switches a block on is an input at its top; what it is reset to, one at its side.
+TEST(Drawing, ShowsTheConditionsOfBlocksExpressionsAndSubsystems) {
+  const auto graph = graph_of_text(
+      "types:\n  heater:\n    inputs: [u]\n    blocks: {x: {type: first_order, in: u}}\n    outputs: {x: {from: x, initial: 0}}\n"
+      "blocks:\n  u: {type: sine}\n  armed: {type: pulse, period: 2}\n  start: {type: step}\n"
+      "  heater: {type: heater, in: {u: u}, enable: {when: armed > 0.5}}\n"
+      "  half: {expr: u/2, enable: {when: armed, initial: 0}}\n"
+      "  latch: {expr: u + start, trigger: {when: armed, initial: 0}}\n"
+      "  x: {type: integrator, in: u, reset: {when: armed, to: start}, enable: {when: start}}\n");
+  const Sheet sheet = sheet_of(*graph, 0, {});
+  const auto top = [&](const std::string& path) {
+    const SheetBlock& b = block(sheet, path);
+    return b.top_input < 0 ? "" : b.inputs[static_cast<std::size_t>(b.top_input)];
+  };
+  EXPECT_EQ(top("heater"), "enable");
+  EXPECT_EQ(top("half"), "enable");
+  EXPECT_EQ(top("latch"), "trigger ↑");
+  EXPECT_EQ(top("x"), "enable");
+  EXPECT_EQ(from(sheet, "half", "enable"), "armed");
+  EXPECT_EQ(from(sheet, "latch", "trigger ↑"), "armed");
+  EXPECT_EQ(from(sheet, "x", "reset"), "armed");
+  EXPECT_EQ(from(sheet, "x", "to"), "start");
+  const Arrangement a = arrange(sheet);
+  EXPECT_THAT(faults(sheet, a), IsEmpty());
+  EXPECT_THAT(lint(draw(sheet, a)), IsEmpty());
+}
+
+TEST(Drawing, HasNoArrowOutOfWhatEndsTheRun) {
+  const char* text = "blocks:\n  h: {type: sine}\n  ground: {type: stop, in: h < 0}\n";
+  const auto shown = [](const Sheet& sheet, const std::string& path) {
+    for (const SheetWire& wire : sheet.wires)
+      if (sheet.blocks[static_cast<std::size_t>(wire.from.block)].path == path) return wire.is_shown;
+    return false;
+  };
+  EXPECT_FALSE(shown(sheet_of(*graph_of_text(text), 0, {}), "ground"));
+  EXPECT_TRUE(shown(sheet_of(*graph_of_text(std::string(text) + "record: [ground]\n"), 0, {}), "ground"));
 }
 
 TEST(Drawing, SaysWhenAThemeIsUnknown) {
