@@ -55,7 +55,8 @@ class Maker {
     const bool shares = panels.size() == 1;
     for (const FigureBlock& says : panels) {
       figure.add_panel(panel(says, figure.x));
-      if (!shares && !says.find("y") && !over_time(says) && !figure.panels.back().x) figure.panels.back().x = Axis{};
+      if (!shares && !says.find("y") && !over_time(says) && !figure.panels.back().x)
+        figure.panels.back().x = Axis{.tight = true};
       const std::size_t at = figure.panels.size() - 1;
       draw_plots(figure, says, at, std::nullopt);
       for (const FigureBlock& inset : says.parts("insets")) {

@@ -54,6 +54,10 @@ struct Axis {
   // Of an x axis whose values are seconds: the unit they are shown in, ms s min h d, or auto by the axis' length. It
   // takes the place of the unit in the label. Empty: values are shown as they are.
   std::string time_unit;
+  // An x axis that a plot type brought for what it shows: frequency, real part, lag. Of the figure's only panel it
+  // takes what the user says of the figure's x.
+  bool own = false;
+  bool tight = false;  // ends where the data end, as an axis of time does; else at round numbers
 };
 
 // How a series is to look. What is left out follows the theme: the colour from the palette, in order.
@@ -163,6 +167,9 @@ struct Panel {
     double left = 0, bottom = 0, width = 0, height = 0;
   };
   std::optional<Place> place;  // of an inset
+  // What belongs to this panel and stands under it, whatever the figure's columns are: the phase under the gain. They
+  // lie over its x axis, but for those with an x of their own; what is below them is not drawn.
+  std::vector<Panel> below;
   std::optional<Space> space;  // three axes in perspective instead of two; then only title and colours count
 
   // Add a series to `series` and return it.
@@ -174,11 +181,13 @@ struct Panel {
 
 struct Figure {
   std::string title;
-  std::string theme = "light";   // a name from theme_names()
-  double width = 200;            // mm
-  double height = 0;             // mm; 0: from the number and kind of the panels, 3:2 for one
-  double dpi = 152.4;            // 6 pixels per mm: 1200 pixels at the default width
-  Axis x;                        // shared by all panels without an x of their own
+  std::string theme = "light";  // a name from theme_names()
+  double width = 200;           // mm
+  double height = 0;            // mm; 0: from the number and kind of the panels, 3:2 for one
+  double dpi = 152.4;           // 6 pixels per mm: 1200 pixels at the default width
+  // Shared by all panels without an x of their own. When it has neither label nor limits, only panels share it whose
+  // data overlap and span a tenth of it at least.
+  Axis x;
   bool selectable_text = false;  // of an SVG: a text that can be selected and found lies over the outlines
   int columns = 1;               // panels stand side by side in as many columns, row after row
   bool share_y = false;          // all panels have the left axis of the one that needs most

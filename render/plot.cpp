@@ -19,8 +19,9 @@ const Plot* find_plot(std::string_view name) {
   return nullptr;
 }
 
-Plot::Column::Column(Plot* plot, std::string_view name, std::string_view doc, Need need)
-    : Part(plot, {PlotInput::Kind::column, name, doc, need, {}}) {}
+Plot::Column::Column(Plot* plot, std::string_view name, std::string_view doc, Need need,
+                     std::vector<std::string_view> instead)
+    : Part(plot, {PlotInput::Kind::column, name, doc, need, {}, {}, std::move(instead)}) {}
 Plot::Grid::Grid(Plot* plot, std::string_view name, std::string_view doc, Need need)
     : Part(plot, {PlotInput::Kind::grid, name, doc, need, {}}) {}
 Plot::Real::Real(Plot* plot, std::string_view name, double init, std::string_view doc)
@@ -99,15 +100,25 @@ const std::vector<std::string>& Given::operator[](const Plot::Texts& part) const
 }
 
 Panel& Canvas::panel(std::size_t below) {
-  while (figure_.panels.size() <= first_ + below) figure_.add_panel();
-  Panel& outer = figure_.panels[first_ + below];
-  if (inset_ >= 0 && below == 0) return outer.insets[static_cast<std::size_t>(inset_)];
-  return outer;
+  while (figure_.panels.size() <= first_) figure_.add_panel();
+  Panel& outer = figure_.panels[first_];
+  Panel& own = inset_ >= 0 ? outer.insets[static_cast<std::size_t>(inset_)] : outer;
+  const std::size_t at = below_ + below;
+  if (at == 0) return own;
+  while (own.below.size() < at) own.below.emplace_back();
+  return own.below[at - 1];
+}
+
+Canvas Canvas::under(std::size_t below) const {
+  Canvas result = *this;
+  result.below_ += below;
+  return result;
 }
 
 Axis& Canvas::own_x() {
   Panel& target = panel();
-  if (!target.x) target.x = figure_.x;
+  if (!target.x) target.x = Axis{.own = true};
+  target.x->tight = false;
   return *target.x;
 }
 
@@ -127,11 +138,16 @@ void Canvas::name(Axis& axis, std::string_view label) {
 
 void Plot::use(Figure& figure, std::size_t panel, std::initializer_list<std::pair<std::string_view, PlotValue>> values,
                SeriesLook look) const {
+  Canvas canvas(figure, panel);
+  use(canvas, values, std::move(look));
+}
+
+void Plot::use(Canvas& canvas, std::initializer_list<std::pair<std::string_view, PlotValue>> values,
+               SeriesLook look) const {
   Given given(*this);
   for (const auto& [input, value] : values) given.set(input, value);
   given.look = std::move(look);
   given.check();
-  Canvas canvas(figure, panel);
   canvas.panel();
   draw(canvas, given);
 }

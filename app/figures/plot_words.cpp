@@ -30,12 +30,14 @@ FigureWord::Kind kind_of(PlotInput::Kind kind) {
 
 FigureWords words_of(const Plot& plot) {
   FigureWords words{plot.name(), {}};
-  for (const PlotInput& input : plot.inputs())
+  for (const PlotInput& input : plot.inputs()) {
     words.words.push_back({.name = input.name,
                            .kind = kind_of(input.kind),
                            .doc = input.doc,
                            .choices = {input.choices.begin(), input.choices.end()},
-                           .needed = input.need == Need::needed});
+                           .needed = input.need == Need::needed || !input.instead.empty()});
+    if (!input.instead.empty()) words.words.back().choices = input.instead;
+  }
   words.words.insert(words.words.end(), look_words().words.begin(), look_words().words.end());
   words.words.push_back({"right", FigureWord::Kind::flag, "on the right axis"});
   return words;

@@ -35,7 +35,7 @@ struct FigureWord {
   std::string_view name;
   Kind kind = Kind::text;
   std::string_view doc;
-  std::vector<std::string_view> choices{};
+  std::vector<std::string_view> choices{};  // of a choice; of what is needed: the words that may stand in its place
   const FigureWords* parts = nullptr;
   std::size_t count = 0;
   double least = -std::numeric_limits<double>::infinity();  // of numbers that are written as such

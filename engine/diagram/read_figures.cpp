@@ -1,6 +1,7 @@
 // `figures:`: whatever the tables of words allow (engine/diagram/figure_words.h).
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "engine/base/colors.h"
@@ -87,8 +88,17 @@ class Reader {
       section.require("x", made.mark, "{x: 1.2, y: 0.8, label: peak}");
       section.require("y", made.mark, "{x: 1.2, y: 0.8, label: peak}");
     }
-    for (const FigureWord& word : words.words)
-      if (word.needed) section.require(word.name, made.mark, fmt::format("{}: ... ({})", word.name, word.doc));
+    for (const auto& [scale, limits] :
+         {std::pair{"scale", "limits"}, {"right_scale", "right_limits"}, {"x_scale", "x_limits"}})
+      check_logarithmic(made, scale, limits);
+    for (const FigureWord& word : words.words) {
+      const bool replaceable = word.kind != Kind::choice && !word.choices.empty();
+      if (replaceable && section.has_unknown_keys()) continue;
+      const bool replaced = replaceable && std::any_of(word.choices.begin(), word.choices.end(),
+                                                       [&](auto other) { return made.find(other); });
+      if (word.needed && !replaced)
+        section.require(word.name, made.mark, fmt::format("{}: ... ({})", word.name, word.doc));
+    }
   }
 
   void check_labels(const Section& section, const FigureBlock& made) {
@@ -170,10 +180,9 @@ class Reader {
   // Numbers that are written as such are held to their bounds here.
   ExpressionPtr number(const Node& node, const FigureWord& word) {
     ExpressionPtr tree = parse_expression(node, report_);
-    const bool negative = tree && tree->kind == Expression::Kind::unary && tree->text == "-";
-    const Expression* plain = negative ? tree->arguments[0].get() : tree.get();
-    if (!plain || plain->kind != Expression::Kind::number) return tree;
-    const double value = negative ? -plain->number : plain->number;
+    const std::optional<double> written = plain(tree);
+    if (!written) return tree;
+    const double value = *written;
     const bool fits = value >= word.least && value <= word.most && (!word.whole || value == static_cast<long>(value));
     if (fits) return tree;
     const std::string kind = word.whole ? "a whole number" : "a number";
@@ -208,6 +217,33 @@ class Reader {
     for (const Node& item : node.items) {
       const bool open = item.is_scalar() && item.text == "auto";
       made.numbers.push_back(open ? nullptr : parse_expression(item, report_));
+    }
+    const std::optional<double> lower = plain(made.numbers[0]), upper = plain(made.numbers[1]);
+    if (lower && upper && !(*lower < *upper))
+      report_
+          .error(node.mark, "'{}' are [lower, upper] in rising order; here is [{:g}, {:g}]", word.name, *lower, *upper)
+          .named("range");
+  }
+
+  // The value of a number that is written as such.
+  static std::optional<double> plain(const ExpressionPtr& tree) {
+    const bool negative = tree && tree->kind == Expression::Kind::unary && tree->text == "-";
+    const Expression* number = negative ? tree->arguments[0].get() : tree.get();
+    if (!number || number->kind != Expression::Kind::number) return std::nullopt;
+    return negative ? -number->number : number->number;
+  }
+
+  // A logarithmic axis has no place for zero.
+  void check_logarithmic(const FigureBlock& made, std::string_view scale, std::string_view limits) {
+    const FigureEntry* ends = made.find(limits);
+    if (made.text(scale) != "log" || !ends) return;
+    for (const ExpressionPtr& end : ends->numbers) {
+      const std::optional<double> value = plain(end);
+      if (!value || *value > 0) continue;
+      report_.error(ends->mark, "a logarithmic axis has only values greater than 0, and '{}' has {:g}", limits, *value)
+          .hint("'scale: symlog' has room for zero and below; or 'auto' in its place")
+          .named("range");
+      return;
     }
   }
 

@@ -145,7 +145,7 @@ void add_shapes(const Plan& plan, const PanelPlan& panel, SeriesPlan& series) {
 // A shaft with its middle at the place, and a head; as long as the look says.
 void add_arrows(const Plan& plan, const PanelPlan& panel, SeriesPlan& series) {
   const Series& s = *series.series;
-  const double length = plan.unit * (s.look.size > 0 ? s.look.size * 152.4 / 72 : 18), head = 0.3 * length;
+  const double length = arrow_length(plan, series), head = 0.3 * length;
   for (std::size_t i = 0; i < std::min({s.x.size(), s.y.size(), s.toward_x.size(), s.toward_y.size()}); ++i) {
     const Spot at = to_pixels(panel, s.x[i], s.y[i], series.right);
     if (!panel.box.contains(at)) continue;
@@ -216,6 +216,11 @@ Spot to_pixels(const PanelPlan& panel, double x, double y, bool right) {
   const double py = box.bottom - position(right ? panel.right : panel.y, y) * box.height();
   if (std::isnan(px) || std::isnan(py)) return {px, py};
   return {std::clamp(px, -horizon, horizon), std::clamp(py, -horizon, horizon)};
+}
+
+double arrow_length(const Plan& plan, const SeriesPlan& series) {
+  const double size = series.series->look.size;
+  return plan.unit * (size > 0 ? size * 152.4 / 72 : 18);
 }
 
 void set_curves(const Plan& figure, PanelPlan& panel) {

@@ -96,7 +96,6 @@ class Drawing {
   }
 
   void inset(Group& group, const PanelPlan& p, const std::string& role) {
-    const Box& b = p.box;
     if (p.inset_frame) {
       const Box& f = *p.inset_frame;
       Stroke frame{{}, to_fixed(theme_.reference_width * u_), {}, Stroke::Cap::butt, theme_.reference};
@@ -105,14 +104,8 @@ class Drawing {
       group.group(role + "/frame").add({std::move(frame)});
     }
     Group& own = group.group(role);
-    own.add({box_fill({b.left - side(p), b.top - 12 * u_, b.right + 12 * u_, b.bottom + 30 * u_}, theme_.background)});
+    own.add({box_fill(whole_inset(plan_, p), theme_.background)});
     panel(own, p, role);
-  }
-
-  double side(const PanelPlan& p) const {
-    double widest = 0;
-    for (const Label& l : p.y_ticks) widest = std::max(widest, l.width);
-    return widest + 16 * u_;
   }
 
   // Grids and lines of reference that are curves.
@@ -126,7 +119,7 @@ class Drawing {
       Stroke stroke{{}, to_fixed(s.width), dashes(s.style, 1.6 * s.width, u_), Stroke::Cap::butt, s.color};
       for (const Curve& line : s.lines) stroke.lines.push_back(to_polyline(line));
       if (!stroke.lines.empty()) own.add({std::move(stroke)});
-      markers(own, s, p.box);
+      markers(own, s, p);
     }
   }
 
@@ -179,7 +172,8 @@ class Drawing {
     if (!major.lines.empty()) lines.add({std::move(major)});
   }
 
-  Rect clip_of(const PanelPlan& p) const { return to_rect(p.box.grown(2 * u_)); }
+  // A line along the edge is seen in its full width; but an inset's curves go on behind its edges.
+  Rect clip_of(const PanelPlan& p) const { return to_rect(p.box.grown(p.is_inset ? 0.5 : 2 * u_)); }
 
   void areas(Group& group, const PanelPlan& p, const std::string& role) {
     for (std::size_t i = 0; i < p.series.size(); ++i) {
@@ -211,14 +205,16 @@ class Drawing {
       for (const Curve& line : s.lines) stroke.lines.push_back(to_polyline(line));
       if (!stroke.lines.empty()) own.add({std::move(stroke)});
       shapes(own, s);
-      markers(own, s, p.box);
+      markers(own, s, p);
     }
   }
 
-  void markers(Group& own, const SeriesPlan& s, const Box& box) const {
+  void markers(Group& own, const SeriesPlan& s, const PanelPlan& p) const {
     const Marker marker = s.series->look.marker == Marker::none ? Marker::dot : s.series->look.marker;
     const double radius = s.mark_radius;
-    own.clip = to_rect(s.marks.empty() ? box.grown(2 * u_) : box.grown(1.5 * radius));
+    // Arrows at the edge are whole, as markers are.
+    const double arrow = s.series->kind == Series::Kind::arrows ? 0.5 * arrow_length(plan_, s) : 0;
+    own.clip = s.marks.empty() && arrow == 0 ? clip_of(p) : to_rect(p.box.grown(std::max(1.5 * radius, arrow)));
     Fill filled{{}, s.color};
     Stroke drawn{{}, to_fixed(s.width), {}, Stroke::Cap::butt, s.color};
     for (const Spot at : s.marks) add_marker(filled, drawn, marker, at, radius);
@@ -268,8 +264,14 @@ class Drawing {
     if (p.shows_x) {
       Group& ticks = group.group(role + "/x/ticks", scale_name(p.x));
       const double y = b.bottom + 0.4 * gap + 0.25 * theme_.text_size * u_ + 2 * half + 0.1 * theme_.text_size * u_;
-      for (std::size_t i = 0; i < p.x_ticks.size(); ++i)
-        ticks.add({text(p.x_ticks[i], x_of(p, p.x.ticks[i].value) - p.x_ticks[i].width / 2, y, 0, theme_.muted)});
+      for (std::size_t i = 0; i < p.x_ticks.size(); ++i) {
+        const double x = x_of(p, p.x.ticks[i].value);
+        if (p.x_turned)
+          ticks.add({text(p.x_ticks[i], x + half, b.bottom + gap + p.x_ticks[i].width, 1, theme_.muted)});
+        else
+          ticks.add(
+              {text(p.x_ticks[i], beside_right(p, x - p.x_ticks[i].width / 2, p.x_ticks[i]), y, 0, theme_.muted)});
+      }
       if (!p.x_note.empty()) {
         const double below = y + (p.x_label.empty() ? 1.45 * theme_.text_size * u_ : 1.5 * theme_.label_size * u_);
         group.group(role + "/x/note").add({text(p.x_note, b.right - p.x_note.width, below, 0, theme_.muted)});
@@ -277,6 +279,12 @@ class Drawing {
     }
     if (p.shows_y) left_numbers(group, p, role);
     right_numbers(group, p, role);
+  }
+
+  // An exponent rises to the height of the right axis' lowest number: it stays to the left of that.
+  double beside_right(const PanelPlan& p, double x, const Label& label) const {
+    if (!p.twin || p.right_ticks.empty() || -label.top < 0.9 * label.size) return x;
+    return std::min(x, p.box.right + 3 * u_ - label.width);
   }
 
   void left_numbers(Group& group, const PanelPlan& p, const std::string& role) {
@@ -322,7 +330,11 @@ class Drawing {
     }
     if (!p.x_label.empty()) {
       Group& label = group.group(role + "/x/label");
-      double y = b.bottom + 0.8 * 9 * u_ + 1.45 * theme_.text_size * u_ + cap_height * size + 0.12 * size;
+      double upright = 0;
+      if (p.x_turned)
+        for (const Label& l : p.x_ticks) upright = std::max(upright, l.width + 0.6 * 9 * u_);
+      const double numbers = p.x_turned ? upright : 1.45 * theme_.text_size * u_;
+      double y = b.bottom + 0.8 * 9 * u_ + numbers + cap_height * size + 0.12 * size;
       for (const Label& l : p.x_label) {
         label.add({text(l, (b.left + b.right - l.width) / 2, y, 0, theme_.text)});
         y += line;

@@ -61,6 +61,14 @@ Box box_of(const Plan& plan, const PanelPlan& panel, const Panel& inset) {
 
 }  // namespace
 
+Box whole_inset(const Plan& plan, const PanelPlan& inset) {
+  const Box& b = inset.box;
+  const double u = plan.unit;
+  double widest = 0;
+  for (const Label& label : inset.y_ticks) widest = std::max(widest, label.width);
+  return {b.left - widest - 16 * u, b.top - 12 * u, b.right + 12 * u, b.bottom + 30 * u};
+}
+
 void place_insets(const Plan& plan, PanelPlan& panel) {
   for (std::size_t i = 0; i < panel.insets.size(); ++i) {
     PanelPlan inset = panel.insets[i];

@@ -87,13 +87,27 @@ Sizes sizes(const Plan& plan) {
 }
 
 void set_key_labels(const Plan& plan, PanelPlan& panel, double width) {
-  panel.key.labels.clear();
+  std::vector<std::string> texts;
   for (const std::size_t i : panel.key.entries) {
     const SeriesPlan& s = panel.series[i];
-    std::string text = s.series->look.label;
-    if (s.right) text += " (right)";
-    panel.key.labels.push_back(set_label_within(text, plan.text_style(), width));
+    texts.push_back(s.series->look.label + (s.right ? " (right)" : ""));
   }
+  const auto set_all = [&] {
+    panel.key.labels.clear();
+    for (const std::string& text : texts)
+      panel.key.labels.push_back(set_label_shortened(text, plan.text_style(), width));
+  };
+  set_all();
+  // Where shortened names are the same though whole they are not, what they have in common is left out first.
+  const auto different = [](auto list) {
+    std::sort(list.begin(), list.end());
+    return std::unique(list.begin(), list.end()) - list.begin();
+  };
+  std::vector<std::string> shown;
+  for (const Label& label : panel.key.labels) shown.push_back(label.source);
+  if (different(shown) == different(texts)) return;
+  texts = distinct_parts(texts);
+  set_all();
 }
 
 void add_rest(const Plan& plan, KeyPlan& key) {

@@ -92,6 +92,7 @@ PanelPlan plan_panel(const Plan& plan, const Panel& panel) {
   if (p.twin && panel.right_series.size() == 1) p.right_color = p.series.back().text_color;
   for (const Panel& inset : panel.insets) {
     p.insets.push_back(plan_panel(plan, inset));
+    p.insets.back().is_inset = true;
     if (!inset.x) p.insets.back().x_axis = p.x_axis;
   }
   return p;

@@ -74,13 +74,19 @@ struct ColorBar {
   Label note;
 };
 
+inline constexpr std::size_t shared_axis = static_cast<std::size_t>(-1);
+
 struct PanelPlan {
   const Panel* panel = nullptr;
   const Axis* x_axis = nullptr;
   bool shows_x = true;  // tick labels and label of the x axis
   bool shows_y = true;
+  bool x_turned = false;  // its names stand upright, because beside each other they find no room
   int row = 0, column = 0;
+  bool under = false;               // in the place of the panel before it, below it
+  std::size_t owner = shared_axis;  // the panel over whose x axis it lies; or the figure's
   bool twin = false;
+  bool is_inset = false;
   Ruler x, y, right;
   std::optional<Color> left_color, right_color;  // when one series alone belongs to the axis of a twin panel
   std::vector<SeriesPlan> series;
@@ -119,11 +125,14 @@ std::optional<Figure> in_units(const Figure& figure);
 // panels.cpp: the plan of one panel, its series with their colours.
 PanelPlan plan_panel(const Plan& plan, const Panel& panel);
 
-// rulers.cpp: the ends and ticks of all axes, for the boxes the panels have now.
+// rulers.cpp: which panels leave a shared x axis because their data lie elsewhere; the ends and ticks of all axes, for
+// the boxes the panels have now.
+void part_axes(Plan& plan);
 void set_rulers(Plan& plan);
 void set_inset_rulers(const Plan& plan, PanelPlan& inset);
 
 // curves.cpp: the series of a panel in pixels.
+double arrow_length(const Plan& plan, const SeriesPlan& series);
 void set_curves(const Plan& plan, PanelPlan& panel);
 Spot to_pixels(const PanelPlan& panel, double x, double y, bool right);
 
@@ -138,6 +147,8 @@ void place_labels(const Plan& plan, PanelPlan& panel);
 
 // insets.cpp: places the insets of a panel whose box is final.
 void place_insets(const Plan& plan, PanelPlan& panel);
+// All that an inset covers: its box with the numbers beside it.
+Box whole_inset(const Plan& plan, const PanelPlan& inset);
 
 // What there is to see in a panel, for what is to be placed where nothing is.
 Occupancy map_of(const PanelPlan& panel);

@@ -53,7 +53,7 @@ void place_quietly(const Plan& plan, PanelPlan& panel, Occupancy& map, const Cal
 void place_callout(const Plan& plan, PanelPlan& panel, Occupancy& map, const Callout& callout) {
   const Spot at = to_pixels(panel, callout.x, callout.y, callout.right);
   if (callout.label.empty() || !panel.box.grown(1).contains(at)) return;
-  Label label = set_label_within(callout.label, plan.remark_style(), 0.6 * panel.box.width());
+  Label label = set_label_shortened(callout.label, plan.remark_style(), 0.6 * panel.box.width());
   const double u = plan.unit, capital = cap_height * label.size;
   constexpr Spot ways[] = {{1, -1}, {-1, -1}, {1, 1}, {-1, 1}, {1, 0}, {-1, 0}, {0, -1}, {0, 1}};
   double least = std::numeric_limits<double>::infinity();
@@ -106,7 +106,8 @@ Occupancy map_of(const PanelPlan& panel) {
   }
   for (const PlacedLabel& l : panel.labels) map.add_box(l.box().grown(3), 100);
   for (const PlacedMark& m : panel.callouts) map.add_box(Box{m.at.x, m.at.y, m.at.x, m.at.y}.grown(5), 8);
-  for (const PanelPlan& inset : panel.insets) map.add_box(inset.box.grown(30), 100);
+  for (const PanelPlan& inset : panel.insets)
+    if (inset.box.width() > 0) map.add_box(inset.box.grown(30), 100);
   return map;
 }
 
@@ -134,6 +135,10 @@ void place_labels(const Plan& plan, PanelPlan& panel) {
   panel.callouts.clear();
   for (const Callout& callout : panel.panel->callouts) add_mark(plan, panel, callout);
   Occupancy map = map_of(panel);
+  // Once insets have their places, the legend has, too.
+  const bool settled = std::any_of(panel.insets.begin(), panel.insets.end(),
+                                   [](const PanelPlan& inset) { return inset.box.width() > 0; });
+  if (settled && panel.key.kind == KeyKind::inside) map.add_box(panel.key.box, 100);
   const Theme& theme = *plan.theme;
   const Box& b = panel.box;
   const double gap = 6 * plan.unit;
@@ -155,7 +160,7 @@ void place_labels(const Plan& plan, PanelPlan& panel) {
     if (best && !is_taken(panel, PlacedLabel{label, best->x, best->y}.box()))
       add(map, panel, {std::move(label), best->x, best->y, color, least >= 8, {}});
   };
-  const auto fit = [&](const std::string& text) { return set_label_within(text, style, 0.5 * b.width()); };
+  const auto fit = [&](const std::string& text) { return set_label_shortened(text, style, 0.5 * b.width()); };
   const auto beside_level = [&](const Label& label, double y) {
     std::vector<Spot> spots;
     for (const double part : {1.0, 0.0, 0.75, 0.5, 0.25}) {

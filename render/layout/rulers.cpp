@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "render/layout/plan.h"
 
@@ -101,7 +103,7 @@ std::vector<Label> set_all(const Ruler& ruler, const LabelStyle& style) {
   return labels;
 }
 
-// The x axis with as many labels as find room beside each other.
+// The x axis with as many numbers as find room beside each other.
 Ruler horizontal(const Plan& plan, RulerWish wish, const LabelStyle& style) {
   for (int attempt = 0;; ++attempt) {
     Ruler ruler = make_ruler(wish);
@@ -116,6 +118,37 @@ Ruler horizontal(const Plan& plan, RulerWish wish, const LabelStyle& style) {
     wish.spacing *= 1.35;
     wish.every = std::max(wish.every + 1, static_cast<int>(1.4 * wish.every));
   }
+}
+
+// Names cannot be guessed from their neighbours, as numbers can: they are shortened and set upright before any is left
+// out.
+struct Names {
+  std::vector<Label> labels;
+  bool turned = false;
+};
+
+std::optional<Names> names_of(const Plan& plan, const Ruler& all, double length, const LabelStyle& style) {
+  const auto is_number = [](const Tick& tick) {
+    return std::all_of(tick.label.begin(), tick.label.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  if (all.ticks.empty() || std::all_of(all.ticks.begin(), all.ticks.end(), is_number)) return std::nullopt;
+  double slot = length;
+  for (std::size_t i = 0; i + 1 < all.ticks.size(); ++i)
+    slot = std::min(slot, (position(all, all.ticks[i + 1].value) - position(all, all.ticks[i].value)) * length);
+  double widest = 0;
+  Names names;
+  for (const Tick& tick : all.ticks) {
+    const Label whole = set_label(tick.label, style);
+    widest = std::max(widest, whole.width);
+    names.labels.push_back(whole);
+  }
+  if (widest + 10 * plan.unit <= slot) return names;
+  // Upright they need no more than a line each.
+  if (slot < 1.05 * style.size) return std::nullopt;
+  names.turned = true;
+  for (std::size_t i = 0; i < names.labels.size(); ++i)
+    names.labels[i] = set_label_shortened(all.ticks[i].label, style, 0.25 * plan.height);
+  return names;
 }
 
 void widen(Ruler& ruler, double factor, double target) {
@@ -180,26 +213,71 @@ Range left_range(const PanelPlan& p) {
 
 }  // namespace
 
+void part_axes(Plan& plan) {
+  const Axis& axis = plan.figure->x;
+  if (!axis.label.empty() || axis.limits.lower || axis.limits.upper || axis.scale != Scale::linear) return;
+  struct Member {
+    std::size_t panel;
+    Range range;
+  };
+  std::vector<Member> members;
+  for (std::size_t i = 0; i < plan.panels.size(); ++i) {
+    const PanelPlan& p = plan.panels[i];
+    Member member{i, {}};
+    if (p.owner == shared_axis && !p.panel->space) add_x(member.range, *p.panel, axis.scale);
+    if (member.range.lower <= member.range.upper) members.push_back(member);
+  }
+  std::stable_sort(members.begin(), members.end(),
+                   [](const Member& a, const Member& b) { return a.range.lower < b.range.lower; });
+  // Those whose ranges meet, one after the other.
+  for (std::size_t begin = 0; begin < members.size();) {
+    Range all = members[begin].range;
+    std::size_t end = begin + 1;
+    while (end < members.size() && members[end].range.lower <= all.upper) all.add(members[end++].range.upper);
+    const auto is_tiny = [&](const Range& range) { return range.upper - range.lower < 0.1 * (all.upper - all.lower); };
+    std::size_t owner = shared_axis;
+    if (begin > 0 || end < members.size())
+      for (std::size_t i = begin; i < end; ++i)
+        if (!is_tiny(members[i].range)) owner = std::min(owner, members[i].panel);
+    for (std::size_t i = begin; i < end; ++i)
+      plan.panels[members[i].panel].owner = is_tiny(members[i].range) ? members[i].panel : owner;
+    begin = end;
+  }
+}
+
 void set_rulers(Plan& plan) {
   const double u = plan.unit;
   const LabelStyle style = plan.tick_style();
-  Range shared;
-  double narrowest = 1e9;
-  for (const PanelPlan& p : plan.panels)
-    if (!p.panel->x && !p.panel->space) {
-      add_x(shared, *p.panel, plan.figure->x.scale);
-      narrowest = std::min(narrowest, p.box.width());
-    }
-  RulerWish time = wish_for(plan.figure->x, shared, narrowest, 110 * u, 45 * u);
-  time.tight = true;
-  const Ruler common = horizontal(plan, time, style);
-  for (PanelPlan& p : plan.panels) {
-    p.x = common;
-    if (!p.panel->x || p.panel->space) continue;
-    Range own;
-    add_x(own, *p.panel, p.panel->x->scale);
-    p.x = horizontal(plan, wish_for(*p.panel->x, own, p.box.width(), 110 * u, 45 * u), style);
+  struct Shared {
+    Range range;
+    double narrowest = 1e9;
+    int panels = 0;
+    const Axis* axis = nullptr;
+  };
+  std::map<std::size_t, Shared> axes;
+  for (const PanelPlan& p : plan.panels) {
+    if (p.panel->space) continue;
+    Shared& shared = axes[p.owner];
+    shared.axis = p.x_axis;
+    ++shared.panels;
+    add_x(shared.range, *p.panel, p.x_axis->scale);
+    shared.narrowest = std::min(shared.narrowest, p.box.width());
   }
+  std::map<std::size_t, Ruler> rulers;
+  std::map<std::size_t, Names> names;
+  for (const auto& [owner, shared] : axes) {
+    RulerWish wish = wish_for(*shared.axis, shared.range, shared.narrowest, 110 * u, 45 * u);
+    wish.tight = shared.axis == &plan.figure->x || shared.axis->tight || shared.panels > 1;
+    Ruler& ruler = rulers[owner];
+    if (wish.named) ruler = make_ruler(wish);
+    const auto found = wish.named ? names_of(plan, ruler, wish.length, style) : std::nullopt;
+    if (found)
+      names[owner] = *found;
+    else
+      ruler = horizontal(plan, wish, style);
+  }
+  for (PanelPlan& p : plan.panels)
+    if (!p.panel->space) p.x = rulers[p.owner];
   std::vector<Range> lefts;
   for (const PanelPlan& p : plan.panels) lefts.push_back(p.panel->space ? Range{} : left_range(p));
   if (plan.figure->share_y) {
@@ -209,7 +287,12 @@ void set_rulers(Plan& plan) {
     std::fill(lefts.begin(), lefts.end(), widest);
   }
   for (std::size_t i = 0; i < plan.panels.size(); ++i)
-    if (!plan.panels[i].panel->space) set_panel_rulers(plan, plan.panels[i], lefts[i]);
+    if (PanelPlan& p = plan.panels[i]; !p.panel->space) {
+      set_panel_rulers(plan, p, lefts[i]);
+      const auto named = names.find(p.owner);
+      p.x_turned = named != names.end() && named->second.turned;
+      if (named != names.end()) p.x_ticks = named->second.labels;
+    }
 }
 
 void set_inset_rulers(const Plan& plan, PanelPlan& inset) {

@@ -29,6 +29,8 @@ struct Span {
     for (const std::vector<Series>* list : {&panel.series, &panel.right_series})
       for (const Series& series : *list)
         for (const double x : series.x) add(x);
+    for (const Panel& part : panel.below)
+      if (!part.x) add(part);
   }
 };
 
@@ -90,6 +92,8 @@ void convert(Panel& panel, const Unit& unit) {
     if (unit.seconds != 1) divide(inset, unit.seconds);
     if (inset.x) divide(*inset.x, unit);
   }
+  for (Panel& part : panel.below)
+    if (!part.x) convert(part, unit);
 }
 
 }  // namespace

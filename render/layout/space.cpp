@@ -32,15 +32,22 @@ struct Range {
   }
 };
 
-// The ends of an axis: given, or rounded outwards where `loose`.
+// The ends of an axis: given, or rounded outwards where `loose`; else only to a tick that is near.
 Ruler ruler_of(const SpaceAxis& axis, const Range& range, double length, double unit, bool loose) {
-  return make_ruler({.limits = {axis.lower, axis.upper},
-                     .data_lower = range.lower,
-                     .data_upper = range.upper,
-                     .length = length,
-                     .spacing = 85 * unit,
-                     .gap = 30 * unit,
-                     .tight = !loose});
+  RulerWish wish{.limits = {axis.lower, axis.upper},
+                 .data_lower = range.lower,
+                 .data_upper = range.upper,
+                 .length = length,
+                 .spacing = 85 * unit,
+                 .gap = 30 * unit,
+                 .tight = !loose};
+  const Ruler ruler = make_ruler(wish);
+  if (loose || ruler.ticks.size() < 2) return ruler;
+  const double step = ruler.ticks[1].value - ruler.ticks[0].value, near = 0.05 * (ruler.upper - ruler.lower);
+  const double below = ruler.ticks.front().value - step, above = ruler.ticks.back().value + step;
+  if (!axis.lower && ruler.lower - below <= near) wish.data_lower = below;
+  if (!axis.upper && above - ruler.upper <= near) wish.data_upper = above;
+  return make_ruler(wish);
 }
 
 class View {
@@ -92,10 +99,10 @@ class View {
       for (const double v : c.z) z.add(v);
     }
     const double side = 0.6 * std::min(panel_.box.width(), panel_.box.height());
-    const bool surface = !space_.surfaces.empty();
-    x_ = ruler_of(space_.x, x, side, u_, !surface);
-    y_ = ruler_of(space_.y, y, side, u_, !surface);
-    z_ = ruler_of(space_.z, z, side, u_, true);
+    // Heights of a surface end at round numbers; all else fills its room.
+    x_ = ruler_of(space_.x, x, side, u_, false);
+    y_ = ruler_of(space_.y, y, side, u_, false);
+    z_ = ruler_of(space_.z, z, side, u_, !space_.surfaces.empty());
   }
 
   void set_eye() {
@@ -186,8 +193,9 @@ class View {
         const double x = at.x + (out.x > 0 ? 4 * u_ : -4 * u_ - label.width);
         const double y = at.y + (8 * u_ + half) * std::max(out.y, 0.3) + half;
         const Box box{x, y - size, x + label.width, y + 0.2 * size};
-        if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& o) { return o.grown(3 * u_).meets(box); }))
-          continue;
+        // Numbers of two axes side by side would read as one.
+        const Box apart{box.left - 0.8 * size, box.top - 3 * u_, box.right + 0.8 * size, box.bottom + 3 * u_};
+        if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& o) { return o.meets(apart); })) continue;
         taken_.push_back(box);
         ticks.add({place(label, x, y, 0, theme_.muted, theme_.background)});
       }

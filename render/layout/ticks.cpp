@@ -75,6 +75,12 @@ std::vector<Step> steps_near(double size, bool degrees) {
     return result;
   }
   if (!std::isfinite(size) || size <= 0) return result;
+  if (degrees && size >= 400 && size < 1e9) {
+    // Whole turns: 360, 720, 1800 and ten times as much each.
+    for (int e = static_cast<int>(std::floor(std::log10(size / 360))) - 1; e <= 6; ++e)
+      for (const Step& step : {Step{36, e + 1, 0}, Step{72, e + 1, 0.2}, Step{18, e + 2, 0.2}}) result.push_back(step);
+    return result;
+  }
   const int decade = static_cast<int>(std::floor(std::log10(size)));
   for (int e = decade - 1; e <= decade + 1; ++e)
     for (Step step : decimal_steps) {

@@ -11,15 +11,13 @@ struct Bode : Plot {
   FrequencyData data{this};
   Flag show_margins{this, "margins", "mark gain and phase margin", true};
 
-  Bode() : Plot("gain and phase over frequency in two panels, with the margins marked") {}
+  Bode() : Plot("gain and phase over frequency one above the other, with the margins marked") {}
 
   void draw(Canvas& canvas, const Given& given) const override {
     const Response r = data.response(given);
-    Axis& x = canvas.panel().x ? *canvas.panel().x : canvas.figure().x;
+    Axis& x = canvas.own_x();
     x.scale = Scale::log;
     canvas.name(x, "frequency ω [rad s^{-1}]");
-    if (canvas.panel().x) canvas.panel(1).x = canvas.panel().x;
-    canvas.panel(1);
     canvas.name(canvas.panel().y, "gain [dB]");
     canvas.name(canvas.panel(1).y, "phase [°]");
     SeriesLook look = given.look;

@@ -34,7 +34,7 @@ struct Correlation : Plot {
       stem_y.insert(stem_y.end(), {0, value.back(), std::numeric_limits<double>::quiet_NaN()});
     }
     Axis& axis = canvas.own_x();
-    if (axis.label.empty() || axis.label.starts_with("time")) axis.label = "lag [samples]";
+    canvas.name(axis, "lag [samples]");
     if (!axis.limits.lower) axis.limits = {x.front() - 0.5, x.back() + 0.5};
     canvas.name(canvas.panel().y, given.has(with) ? "cross-correlation" : "autocorrelation");
     Panel& panel = canvas.panel();

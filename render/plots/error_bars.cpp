@@ -13,7 +13,7 @@ namespace {
 struct ErrorBars : Plot {
   Column x{this, "x", "where"};
   Column y{this, "y", "measured values"};
-  Column error{this, "error", "half the length of each bar", Need::optional};
+  Column error{this, "error", "half the length of each bar", Need::optional, {"lower", "upper"}};
   Column lower{this, "lower", "its lower ends, instead of error", Need::optional};
   Column upper{this, "upper", "its upper ends, instead of error", Need::optional};
 

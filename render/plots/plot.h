@@ -49,8 +49,9 @@ struct PlotInput {
   Kind kind = Kind::column;
   std::string_view name, doc;
   Need need = Need::needed;
-  PlotValue init;                      // where nothing is given
-  std::vector<std::string> choices{};  // of a choice; the first is the default
+  PlotValue init;                           // where nothing is given
+  std::vector<std::string> choices{};       // of a choice; the first is the default
+  std::vector<std::string_view> instead{};  // of what is optional only where one of these inputs is given
 };
 
 class Plot {
@@ -61,7 +62,8 @@ class Plot {
     std::size_t index;
   };
   struct Column : Part {
-    Column(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::needed);
+    Column(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::needed,
+           std::vector<std::string_view> instead = {});
   };
   struct Grid : Part {
     Grid(Plot* plot, std::string_view name, std::string_view doc, Need need = Need::needed);
@@ -99,6 +101,8 @@ class Plot {
 
   // Draws into the figure's panel with what is given, as scripts and examples do.
   void use(Figure& figure, std::size_t panel, std::initializer_list<std::pair<std::string_view, PlotValue>> values,
+           SeriesLook look = {}) const;
+  void use(Canvas& canvas, std::initializer_list<std::pair<std::string_view, PlotValue>> values,
            SeriesLook look = {}) const;
 
  private:
@@ -142,11 +146,13 @@ class Canvas {
   Canvas(Figure& figure, std::size_t panel, std::size_t inset)
       : figure_(figure), first_(panel), inset_(static_cast<std::ptrdiff_t>(inset)) {}
   Figure& figure() { return figure_; }
-  std::size_t index(std::size_t below) const { return first_ + below; }  // of a panel of the figure
-  // The panel the plot was asked for, and those below it, which are made when there are none yet. A reference lasts
-  // until the next panel is made.
+  // The panel the plot was asked for, and those that stand under it, which are made when there are none yet. A
+  // reference to one of these lasts until the next is made.
   Panel& panel(std::size_t below = 0);
-  // The panel's own x axis; it no longer shares the figure's.
+  // The canvas of a panel under this one.
+  Canvas under(std::size_t below) const;
+  // The panel's own x axis, for what is not over the x that panels share. It neither takes from nor gives to the
+  // figure's, unless the panel is its only one.
   Axis& own_x();
   // Adds a series to the panel, right or left; gives its index among all the panel's series.
   std::size_t add(Series series, const Given& given, std::size_t below = 0);
@@ -157,6 +163,7 @@ class Canvas {
   Figure& figure_;
   std::size_t first_;
   std::ptrdiff_t inset_ = -1;
+  std::size_t below_ = 0;
 };
 
 // All plot types, sorted by name: made from the names of the files in render/plots.

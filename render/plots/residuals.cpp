@@ -24,7 +24,10 @@ struct Residuals : Plot {
     for (std::size_t i = 0; i < given[x].size(); ++i) residual.push_back(given[measured][i] - given[model][i]);
     const std::vector<double> sorted = finite_sorted(residual);
     const double sigma = deviation(sorted), middle = sorted.empty() ? 0 : mean(sorted);
-    for (const std::size_t below : {1, 2}) canvas.panel(below).height = 0.62;
+    for (const std::size_t below : {1, 2}) {
+      canvas.panel(below).height = 0.62;
+      canvas.under(below).own_x();
+    }
     Panel& top = canvas.panel();
     canvas.name(top.y, "residual");
     if (sigma > 0 && std::isfinite(sigma))
@@ -53,11 +56,10 @@ struct Residuals : Plot {
   }
 
  private:
-  static void further(Canvas& canvas, std::size_t below, std::string_view type,
+  static void further(const Canvas& canvas, std::size_t below, std::string_view type,
                       std::initializer_list<std::pair<std::string_view, PlotValue>> values, const SeriesLook& look) {
-    Panel& panel = canvas.panel(below);
-    if (!panel.x) panel.x = Axis{};
-    find_plot(type)->use(canvas.figure(), canvas.index(below), values, look);
+    Canvas under = canvas.under(below);
+    find_plot(type)->use(under, values, look);
   }
 };
 

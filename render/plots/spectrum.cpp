@@ -34,7 +34,7 @@ struct SpectrumPlot : Plot {
       for (double& v : s.density) v = 10 * std::log10(v);
     Axis& x = canvas.own_x();
     x.scale = Scale::log;
-    if (x.label.empty() || x.label.starts_with("time")) x.label = "frequency [Hz]";
+    canvas.name(x, "frequency [Hz]");
     if (!s.frequency.empty() && !x.limits.lower) x.limits = {s.frequency.front(), s.frequency.back()};
     Axis& axis = given.right ? canvas.panel().right : canvas.panel().y;
     if (!given[decibel]) axis.scale = Scale::log;

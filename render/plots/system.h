@@ -28,9 +28,9 @@ struct System {
   Plot::Column num, den;
   Plot::Real delay;
 
-  System(Plot* plot, Need need)
-      : num(plot, "num", "the numerator's coefficients, descending powers of s", need),
-        den(plot, "den", "the denominator's coefficients", need),
+  System(Plot* plot, Need need, const std::vector<std::string_view>& instead = {})
+      : num(plot, "num", "the numerator's coefficients, descending powers of s", need, instead),
+        den(plot, "den", "the denominator's coefficients", need, instead),
         delay(plot, "delay", 0, "dead time [s]") {}
 
   Transfer system(const Given& given) const {
@@ -51,7 +51,7 @@ struct FrequencyData : System {
   Plot::Real from, to;
 
   explicit FrequencyData(Plot* plot)
-      : System(plot, Need::optional),
+      : System(plot, Need::optional, {"w"}),
         w(plot, "w", "frequencies [rad/s] of a measured response, instead of num and den", Need::optional),
         re(plot, "re", "its real parts", Need::optional),
         im(plot, "im", "its imaginary parts", Need::optional),

@@ -197,16 +197,65 @@ Label set_label(std::string_view text, const LabelStyle& style) {
 Label set_label_within(std::string_view text, const LabelStyle& style, double width) {
   Label whole = set_label(text, style);
   if (whole.width <= width) return whole;
-  const std::u32string characters = from_utf8(text);
+  const std::size_t bracket = text.ends_with(']') ? text.rfind(" [") : std::string_view::npos;
+  const std::string unit = bracket == std::string_view::npos ? "" : std::string(text.substr(bracket));
+  const std::u32string characters = from_utf8(text.substr(0, bracket));
   std::size_t fits = 0, fails = characters.size();
   while (fails - fits > 1) {
     const std::size_t middle = (fits + fails) / 2;
-    const Label part = set_label(to_utf8(characters.substr(0, middle)) + "…", style);
+    const Label part = set_label(to_utf8(characters.substr(0, middle)) + "…" + unit, style);
     (part.width <= width ? fits : fails) = middle;
   }
   std::u32string kept = characters.substr(0, fits);
   while (!kept.empty() && kept.back() == U' ') kept.pop_back();
-  return set_label(to_utf8(kept) + "…", style);
+  if (kept.empty() && !unit.empty()) return set_label(unit.substr(1), style);
+  return set_label(to_utf8(kept) + "…" + unit, style);
+}
+
+Label set_label_shortened(std::string_view text, const LabelStyle& style, double width) {
+  Label best = set_label(text, style);
+  if (best.width <= width) return best;
+  // Braces belong together: markup is cut at the end only.
+  if (text.find_first_of("{\\") != std::string_view::npos) return set_label_within(text, style, width);
+  const std::u32string characters = from_utf8(text);
+  const auto shortened = [&](std::size_t kept) {
+    std::u32string head = characters.substr(0, kept - kept / 2), tail = characters.substr(characters.size() - kept / 2);
+    while (!head.empty() && head.back() == U' ') head.pop_back();
+    while (!tail.empty() && tail.front() == U' ') tail.erase(0, 1);
+    return set_label(to_utf8(head) + "…" + to_utf8(tail), style);
+  };
+  std::size_t fits = 0, fails = characters.size();
+  while (fails - fits > 1) {
+    const std::size_t middle = (fits + fails) / 2;
+    (shortened(middle).width <= width ? fits : fails) = middle;
+  }
+  return shortened(fits);
+}
+
+std::vector<std::string> distinct_parts(const std::vector<std::string>& texts) {
+  if (texts.size() < 2) return texts;
+  const std::string& first = texts.front();
+  std::size_t shortest = first.size(), head = first.size(), tail = first.size();
+  for (const std::string& text : texts) {
+    shortest = std::min(shortest, text.size());
+    head =
+        std::min(head, static_cast<std::size_t>(
+                           std::mismatch(first.begin(), first.end(), text.begin(), text.end()).first - first.begin()));
+    tail = std::min(
+        tail, static_cast<std::size_t>(std::mismatch(first.rbegin(), first.rend(), text.rbegin(), text.rend()).first -
+                                       first.rbegin()));
+  }
+  // Back to the ends of words.
+  const auto at_end = [&](const std::string& text, std::size_t size) { return size == 0 || text[size - 1] == ' '; };
+  while (!at_end(first, head)) --head;
+  while (tail > 0 && first[first.size() - tail] != ' ') --tail;
+  if (head + tail >= shortest) tail = 0;
+  if (head >= shortest) head = 0;
+  if (head == 0 && tail == 0) return texts;
+  std::vector<std::string> parts;
+  for (const std::string& text : texts)
+    parts.push_back((head > 0 ? "…" : "") + text.substr(head, text.size() - head - tail) + (tail > 0 ? "…" : ""));
+  return parts;
 }
 
 std::vector<Label> set_lines(std::string_view text, const LabelStyle& style, double width, int lines) {

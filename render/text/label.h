@@ -30,8 +30,15 @@ struct Label {
 // Syntax as in render/figure.h. Never fails: bytes that are no UTF-8 become U+FFFD, unknown characters the box glyph.
 Label set_label(std::string_view text, const LabelStyle& style);
 
-// The longest beginning that fits, with an ellipsis; the text itself when it fits.
+// The longest beginning that fits, with an ellipsis; the text itself when it fits. A unit in brackets at the end stays.
 Label set_label_within(std::string_view text, const LabelStyle& style, double width);
+
+// The same with the ellipsis in the middle: names that differ at their ends stay different.
+Label set_label_shortened(std::string_view text, const LabelStyle& style, double width);
+
+// Of each text what tells it from the others, an ellipsis for what all of them begin and end with; whole words only.
+// The texts themselves when they have nothing in common.
+std::vector<std::string> distinct_parts(const std::vector<std::string>& texts);
 
 // Breaks at spaces into at most `lines` lines of the given width; the last line is cut with an ellipsis if need be.
 std::vector<Label> set_lines(std::string_view text, const LabelStyle& style, double width, int lines);

@@ -43,6 +43,23 @@ void read_numbers(lua_State* L, const FigureWord& word, std::size_t count, const
   }
 }
 
+void read_limits(lua_State* L, const FigureWord& word, FigureEntry& made) {
+  read_numbers(L, word, 2, "are two numbers, {lower, upper}", made);
+  const ExpressionPtr &lower = made.numbers[0], &upper = made.numbers[1];
+  if (lower && upper && !(lower->number < upper->number))
+    throw ScriptError(fmt::format("'{}' are {{lower, upper}} in rising order, here is {{{:g}, {:g}}}", word.name,
+                                  lower->number, upper->number));
+}
+
+void check_logarithmic(const FigureBlock& block, std::string_view scale, std::string_view limits) {
+  const FigureEntry* ends = block.find(limits);
+  if (block.text(scale) != "log" || !ends) return;
+  for (const ExpressionPtr& end : ends->numbers)
+    if (end && !(end->number > 0))
+      throw ScriptError(
+          fmt::format("a logarithmic axis has only values greater than 0, and '{}' has {:g}", limits, end->number));
+}
+
 void read_list(lua_State* L, const Options& options, const FigureWord& word, FigureEntry& made) {
   if (!lua_istable(L, -1)) options.wrong(std::string(word.name).c_str(), "a list of tables");
   for (lua_Integer i = 1; lua_rawgeti(L, -1, i) != LUA_TNIL; ++i) {
@@ -91,7 +108,7 @@ FigureEntry entry_of(lua_State* L, const Options& options, const FigureWord& wor
   }
   options.push(key.c_str());
   if (word.kind == Kind::limits)
-    read_numbers(L, word, 2, "are two numbers, {lower, upper}", made);
+    read_limits(L, word, made);
   else if (word.kind == Kind::numbers)
     read_numbers(L, word, word.count, "is four parts of the panel, {left, bottom, width, height}", made);
   else if (word.kind == Kind::axis)
@@ -139,6 +156,9 @@ FigureBlock block_of(lua_State* L, const Options& options, const FigureWords& wo
   FigureBlock block{&words, {}, {}};
   for (const FigureWord& word : words.words)
     if (options.has(std::string(word.name).c_str())) block.entries.push_back(entry_of(L, options, word));
+  for (const auto& [scale, limits] :
+       {std::pair{"scale", "limits"}, {"right_scale", "right_limits"}, {"x_scale", "x_limits"}})
+    check_logarithmic(block, scale, limits);
   return block;
 }
 

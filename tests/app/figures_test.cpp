@@ -1,5 +1,6 @@
 // figures: what the section of a diagram may say, as a user meets it.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -103,9 +104,32 @@ TEST_F(Figures, WriteTimeInTheUnitThatSuits) {
 }
 
 TEST_F(Figures, SayWhereAPlotCannotBeDrawn) {
-  EXPECT_EQ(drawn("  f: {panels: [{step_response: {t: time, y: y}, bode: {num: num}}]}\n"),
-            "plantloop: cannot draw figure 'f': servo.yaml:11:55: bode: this needs 'num' and 'den', or 'w', 're' and "
-            "'im'\n");
+  EXPECT_EQ(
+      drawn("  f: {panels: [{step_response: {t: time, y: y}, bode: {num: [0], den: [1]}}]}\n"),
+      "plantloop: cannot draw figure 'f': servo.yaml:11:55: bode: 'num' and 'den' must have a coefficient that is "
+      "not zero\n");
+}
+
+// What cannot work is told before the run.
+TEST_F(Figures, AreCheckedBeforeTheRun) {
+  const auto checked = [&](const std::string& panel) {
+    place_.write("servo.yaml", std::string(servo) + "  f: {panels: [" + panel + "]}\n");
+    const Outcome o = place_.run("check servo.yaml");
+    const std::size_t error = o.err.find(": error: ");
+    const std::size_t line = error == std::string::npos ? error : o.err.rfind('\n', error);
+    const std::string first = error == std::string::npos ? "" : o.err.substr(line == std::string::npos ? 0 : line + 1);
+    return first.substr(0, first.find('\n')) + fmt::format(" ({})", o.status);
+  };
+  EXPECT_EQ(checked("{bode: {num: [1]}}"), "servo.yaml:11:23: error: bode needs 'den' (2)");
+  EXPECT_EQ(checked("{nyquist: {den: [1]}}"), "servo.yaml:11:26: error: nyquist needs 'num' (2)");
+  EXPECT_EQ(checked("{error_bars: {x: time, y: y}}"), "servo.yaml:11:29: error: error_bars needs 'error' (2)");
+  EXPECT_EQ(checked("{bode: {w: [1, 2], re: [1, 1], im: [0, 0]}}"), " (0)");
+  EXPECT_EQ(checked("{y: y, limits: [1, 0]}"),
+            "servo.yaml:11:31: error: 'limits' are [lower, upper] in rising order; here is [1, 0] (2)");
+  EXPECT_EQ(checked("{y: y, scale: log, limits: [0, 1]}"),
+            "servo.yaml:11:43: error: a logarithmic axis has only values greater than 0, and 'limits' has 0 (2)");
+  EXPECT_EQ(checked("{y: y, scale: log, limits: [auto, 1]}"), " (0)");
+  EXPECT_EQ(checked("{y: y, scale: symlog, limits: [0, 1]}"), " (0)");
 }
 
 TEST_F(Figures, SayWhichKeyWasMeant) {

@@ -2,6 +2,7 @@
 
 #include "render/text/label.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render/text/font.h"
@@ -158,6 +159,32 @@ TEST(Utf8, ComesBackAsItWas) {
 TEST(Utf8, RefusesOverlongFormsAndSurrogates) {
   EXPECT_EQ(from_utf8("\xE0\x80\x80"), U"\uFFFD");
   EXPECT_EQ(from_utf8("\xED\xA0\x80"), U"\uFFFD");
+}
+
+TEST(Label, KeepsItsUnitWhenItIsCut) {
+  const Label cut = set_label_within("temperature of the second tank [°C]", style, 900);
+  EXPECT_TRUE(cut.source.starts_with("temp")) << cut.source;
+  EXPECT_TRUE(cut.source.ends_with("… [°C]")) << cut.source;
+  EXPECT_LE(cut.width, 900);
+  EXPECT_EQ(set_label_within("temperature [°C]", style, 10).source, "[°C]");
+}
+
+TEST(Label, IsShortenedInTheMiddle) {
+  const Label cut = set_label_shortened("a model with a long name, fit 98.2 %", style, 900);
+  EXPECT_TRUE(cut.source.starts_with("a model")) << cut.source;
+  EXPECT_TRUE(cut.source.ends_with("98.2 %")) << cut.source;
+  EXPECT_LE(cut.width, 900);
+  EXPECT_EQ(set_label_shortened("short", style, 600).source, "short");
+}
+
+TEST(Label, SaysWhatTellsItFromTheOthers) {
+  using testing::ElementsAre;
+  EXPECT_THAT(distinct_parts({"series number 1 with words", "series number 12 with words"}),
+              ElementsAre("…1…", "…12…"));
+  EXPECT_THAT(distinct_parts({"run 7", "run 12"}), ElementsAre("…7", "…12"));
+  EXPECT_THAT(distinct_parts({"first", "second"}), ElementsAre("first", "second"));
+  EXPECT_THAT(distinct_parts({"alone"}), ElementsAre("alone"));
+  EXPECT_THAT(distinct_parts({"same", "same"}), ElementsAre("same", "same"));
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 
 #include "render/scene/scene.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -14,6 +16,7 @@
 #include "render/error.h"
 #include "render/geometry/curve.h"
 #include "render/layout.h"
+#include "render/plots/plot.h"
 #include "render/scene/dump.h"
 #include "render/scene/lint.h"
 #include "tests/render/figures.h"
@@ -331,6 +334,172 @@ TEST(Json, ShortensLongLists) {
   const Scene scene = layout(noisy_steps());
   EXPECT_LT(to_json(scene, 100).size(), to_json(scene).size() / 3);
   EXPECT_THAT(to_json(scene, 100), HasSubstr("\"count\":"));
+}
+
+using Coefficients = std::vector<double>;
+
+void draw_bode(Figure& figure, std::size_t panel) {
+  find_plot("bode")->use(figure, panel, {{"num", Coefficients{4}}, {"den", Coefficients{1, 2, 4}}});
+}
+
+// Left and right end of the lowest line of a panel's axes, in pixels.
+std::pair<double, double> across(const Scene& scene, const std::string& panel) {
+  double left = 1e9, right = -1e9;
+  for (const Polyline& line : stroke_of(scene, panel + "/axes").lines)
+    for (const Point p : line) left = std::min(left, p.x / 256.0), right = std::max(right, p.x / 256.0);
+  return {left, right};
+}
+
+double lowest(const Scene& scene, const std::string& role) {
+  double bottom = -1e9;
+  for (const Polyline& line : stroke_of(scene, role).lines)
+    for (const Point p : line) bottom = std::max(bottom, p.y / 256.0);
+  return bottom;
+}
+
+TEST(SharedAxis, IsNeitherTakenNorGivenByPlotsWithAnXOfTheirOwn) {
+  Figure figure{.columns = 2};
+  figure.x.label = "time [s]";
+  for (int i = 0; i < 4; ++i) figure.add_panel();
+  draw_bode(figure, 0);
+  find_plot("nyquist")->use(figure, 1, {{"num", Coefficients{10}}, {"den", Coefficients{1, 3, 3, 1}}});
+  find_plot("root_locus")->use(figure, 2, {{"num", Coefficients{1}}, {"den", Coefficients{1, 3, 2, 0}}});
+  figure.panels[3].line({0, 100}, {0, 1});
+  const Scene scene = layout(figure);
+  EXPECT_THAT(lint(scene), IsEmpty());
+  EXPECT_EQ(figure.x.scale, Scale::linear);
+  EXPECT_THAT(texts_of(scene, "panel/0/x/label"), IsEmpty());
+  EXPECT_THAT(texts_of(scene, "panel/1/x/label"), ElementsAre("frequency ω [rad s⁻¹]"));
+  EXPECT_THAT(texts_of(scene, "panel/2/x/label"), ElementsAre("Re L(jω)"));
+  EXPECT_THAT(texts_of(scene, "panel/3/x/label"), ElementsAre("Re s [s⁻¹]"));
+  EXPECT_THAT(texts_of(scene, "panel/4/x/label"), ElementsAre("time [s]"));
+  // The curve is the first series that is no guide.
+  for (const char* panel : {"panel/0", "panel/2", "panel/3", "panel/4"}) {
+    const Group* curve = nullptr;
+    for (int i = 0; i < 40 && !curve; ++i) curve = find(scene.root, fmt::format("{}/series/{}", panel, i));
+    ASSERT_NE(curve, nullptr) << panel;
+    EXPECT_FALSE(curve->children.empty()) << panel;
+  }
+}
+
+// Gain and phase stand one above the other, whatever the columns are, and end where the panel beside them does.
+TEST(SharedAxis, OfABodeDiagramIsThatOfItsTwoPanels) {
+  for (const int columns : {1, 2, 3}) {
+    Figure figure{.columns = columns};
+    figure.add_panel();
+    figure.add_panel({.y = {.label = "y"}}).line({0, 100}, {0, 1});
+    draw_bode(figure, 0);
+    const Scene scene = layout(figure);
+    EXPECT_THAT(lint(scene), IsEmpty());
+    EXPECT_EQ(across(scene, "panel/0"), across(scene, "panel/1")) << columns;
+    EXPECT_LT(lowest(scene, "panel/0/axes"), lowest(scene, "panel/1/axes")) << columns;
+    if (columns > 1) {
+      EXPECT_NEAR(lowest(scene, "panel/1/axes"), lowest(scene, "panel/2/axes"), 2);
+    }
+    EXPECT_THAT(texts_of(scene, "panel/1/y/label"), ElementsAre("phase [°]"));
+    EXPECT_THAT(texts_of(scene, "panel/2/y/label"), ElementsAre("y"));
+  }
+}
+
+TEST(SharedAxis, OfTheOnlyPanelIsWhatTheUserSaysOfTheFigures) {
+  Figure figure;
+  figure.x = {.label = "gain K", .limits = {0, 5}};
+  find_plot("scatter")->use(figure, 0, {{"x", Coefficients{1, 2}}, {"y", Coefficients{1, 2}}});
+  const Scene scene = layout(figure);
+  EXPECT_THAT(texts_of(scene, "panel/0/x/label"), ElementsAre("gain K"));
+  EXPECT_EQ(texts_of(scene, "panel/0/x/ticks").back(), "5");
+}
+
+// Without a name for the axis only panels share it whose data overlap and are not tiny; with a name all do.
+TEST(SharedAxis, WithoutANameIsNotSharedByPanelsOfAnotherRange) {
+  Figure figure;
+  for (const auto& [from, to] : {std::pair{0.0, 10.0}, {1.0, 3.0}, {100.0, 200.0}, {2.0, 2.5}})
+    figure.add_panel().line({from, to}, {0, 1});
+  const auto last = [](const Scene& scene, const std::string& panel) {
+    const std::vector<std::string> all = texts_of(scene, panel + "/x/ticks");
+    return all.empty() ? std::string() : all.back();
+  };
+  const Scene apart = layout(figure);
+  EXPECT_THAT(lint(apart), IsEmpty());
+  EXPECT_EQ(last(apart, "panel/0"), "");
+  EXPECT_EQ(last(apart, "panel/1"), "10");
+  EXPECT_EQ(last(apart, "panel/2"), "200");
+  EXPECT_EQ(last(apart, "panel/3"), "2.5");
+  figure.x.label = "time [s]";
+  const Scene shared = layout(figure);
+  EXPECT_EQ(last(shared, "panel/0"), "");
+  EXPECT_EQ(last(shared, "panel/2"), "");
+  EXPECT_EQ(last(shared, "panel/3"), "200");
+}
+
+TEST(Key, KeepsNamesApartHoweverNarrowTheFigureIs) {
+  Figure figure{.width = 86};
+  Panel& panel = figure.add_panel();
+  for (int i = 1; i <= 14; ++i)
+    panel.line({0, 1, 2}, {0.0 + i, 1.0 - i, 0.5 * i}, {.label = "series number " + std::to_string(i) + " with words"});
+  const Scene scene = layout(figure);
+  EXPECT_THAT(lint(scene), IsEmpty());
+  std::vector<std::string> names = texts_of(scene, "panel/0/legend");
+  ASSERT_GE(names.size(), 8u);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
+}
+
+TEST(Bars, KeepAllTheirNames) {
+  for (const std::size_t count : {3, 12, 25}) {
+    Figure figure{.width = 86};
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < count; ++i) names.push_back("controller variant " + std::to_string(i + 1));
+    find_plot("bar")->use(figure, 0, {{"y", std::vector<double>(count, 1.0)}, {"names", names}});
+    const Scene scene = layout(figure);
+    EXPECT_THAT(lint(scene), IsEmpty()) << count;
+    EXPECT_EQ(texts_of(scene, "panel/0/x/ticks").size(), count);
+  }
+}
+
+TEST(Insets, LeaveTheLabelsOfLinesReadable) {
+  Figure figure;
+  Panel& panel = figure.add_panel();
+  std::vector<double> x, y;
+  for (int i = 0; i <= 200; ++i) x.push_back(0.05 * i), y.push_back(1 - std::exp(-0.05 * i) * std::cos(0.2 * i));
+  panel.line(x, y);
+  panel.lines.push_back({.at = 1.31, .label = "the limit of the actuator"});
+  panel.lines.push_back({.axis = ReferenceLine::x, .at = 8, .label = "end of the test"});
+  panel.insets.push_back({.x = Axis{.limits = {1, 2}}});
+  panel.insets[0].line(x, y);
+  const Scene scene = layout(figure);
+  EXPECT_THAT(lint(scene), IsEmpty());
+  EXPECT_EQ(texts_of(scene, "panel/0/labels").size(), 2u);
+  const Group* own = find(scene.root, "panel/0/inset/0");
+  const auto& paper = std::get<Fill>(own->children.front().item).rings[0];
+  for (const SceneNode& node : find(scene.root, "panel/0/labels")->children) {
+    const Rect box = std::get<TextRun>(node.item).box;
+    const bool apart =
+        box.right < paper[0].x || box.left > paper[2].x || box.bottom < paper[0].y || box.top > paper[2].y;
+    EXPECT_TRUE(apart);
+  }
+  // The curve ends at the inset's edge.
+  const Group* curve = find(scene.root, "panel/0/inset/0/series/0");
+  const Polyline& edge = stroke_of(scene, "panel/0/inset/0/axes").lines[0];
+  EXPECT_NEAR(curve->clip->right, edge.back().x, 256);
+  EXPECT_NEAR(curve->clip->left, edge.front().x, 256);
+}
+
+TEST(Trajectory, FillsItsRoom) {
+  std::vector<double> t, x, y;
+  for (int i = 0; i <= 400; ++i) {
+    t.push_back(0.025 * i);
+    x.push_back(std::cos(t.back()));
+    y.push_back(std::sin(t.back()));
+  }
+  Figure figure;
+  find_plot("trajectory")->use(figure, 0, {{"x", x}, {"y", y}, {"z", t}});
+  const Scene scene = layout(figure);
+  EXPECT_THAT(lint(scene), IsEmpty());
+  // Ends at 1 and 10, where the data end; a number at the corner where two axes meet is left out.
+  for (const char* role : {"panel/0/x/numbers", "panel/0/y/numbers"})
+    EXPECT_THAT(texts_of(scene, role), testing::AllOf(testing::Contains("0"), testing::Not(testing::Contains("2"))));
+  EXPECT_EQ(texts_of(scene, "panel/0/z/numbers").back(), "10");
 }
 
 }  // namespace

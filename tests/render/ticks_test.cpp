@@ -143,5 +143,13 @@ TEST(Ticks, ExistWithoutAnyData) {
   EXPECT_GE(r.ticks.size(), 3u);
 }
 
+TEST(Ticks, OfManyTurnsAreMultiplesOfWholeTurns) {
+  for (const double lowest : {-1900.0, -5700.0, -57000.0}) {
+    const Ruler r = make_ruler({.data_lower = lowest, .data_upper = -90, .degrees = true});
+    ASSERT_GE(r.ticks.size(), 3u);
+    for (const Tick& t : r.ticks) EXPECT_EQ(std::fmod(t.value, 180), 0) << t.value;
+  }
+}
+
 }  // namespace
 }  // namespace plantloop

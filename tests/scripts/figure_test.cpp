@@ -66,6 +66,18 @@ TEST_F(Figures, HaveAMethodForEveryPlotType) {
   EXPECT_THAT(read("heat.svg"), HasSubstr("heat"));
 }
 
+// What a plot makes below its panel belongs to that panel, whatever panels there are already.
+TEST_F(Figures, KeepGainAndPhaseTogetherWhenThereAreOtherPanels) {
+  EXPECT_EQ(
+      printed("local f = pl.figure{columns = 2, x = 'time [s]'}\n"
+              "local loop, curve, run = f:panel{title = 'open loop'}, f:panel{title = 'curve'}, f:panel{y = 'w'}\n"
+              "loop:bode({4}, {1, 2, 4}); curve:nyquist({10}, {1, 3, 3, 1}); run:line({0, 1}, {0, 1})\n"
+              "f:save 'three.svg'"),
+      "");
+  const std::string svg = read("three.svg");
+  for (const char* text : {"phase [°]", "Re L(jω)", "time [s]", "frequency ω"}) EXPECT_THAT(svg, HasSubstr(text));
+}
+
 TEST_F(Figures, HaveRemarksAndInsets) {
   EXPECT_EQ(printed("local f = pl.figure{x = 'time [s]', y = {label = 'y', scale = 'symlog', threshold = 0.1}}\n"
                     "local t = pl.linspace(0, 10, 200)\n"
@@ -93,6 +105,10 @@ TEST_F(Figures, SayWhatIsWrong) {
   EXPECT_THAT(complaint("pl.figure():annotate{label = 'x'}"), HasSubstr("a remark stands at x and y"));
   EXPECT_THAT(complaint("pl.figure():inset():inset()"), HasSubstr("an inset has no insets"));
   EXPECT_THAT(complaint("pl.figure():inset{place = {1}}"), HasSubstr("{left, bottom, width, height}"));
+  EXPECT_THAT(complaint("pl.figure{limits = {1, 0}}"),
+              HasSubstr("'limits' are {lower, upper} in rising order, here is {1, 0}"));
+  EXPECT_THAT(complaint("pl.figure{y = {scale = 'log', limits = {0, 1}}}"),
+              HasSubstr("a logarithmic axis has only values greater than 0, and 'limits' has 0"));
   EXPECT_THAT(complaint("pl.figure{columns = 0}"), HasSubstr("'columns' must be a whole number from 1 to 20"));
   EXPECT_THAT(complaint("pl.figure{width = 1}:save 'a.svg'"), Not(HasSubstr("no error")));
 }
