@@ -266,7 +266,8 @@ TEST(Drawing, ShowsADiagramOfOneRepeatedBlock) {
 // What switches a block on is an input at its top; what it is reset to, one at its side.
 TEST(Drawing, ShowsTheConditionsOfBlocksExpressionsAndSubsystems) {
   const auto graph = graph_of_text(
-      "types:\n  heater:\n    inputs: [u]\n    blocks: {x: {type: first_order, in: u}}\n    outputs: {x: {from: x, initial: 0}}\n"
+      "types:\n  heater:\n    inputs: [u]\n    blocks: {x: {type: first_order, in: u}}\n    outputs: {x: {from: x, "
+      "initial: 0}}\n"
       "blocks:\n  u: {type: sine}\n  armed: {type: pulse, period: 2}\n  start: {type: step}\n"
       "  heater: {type: heater, in: {u: u}, enable: {when: armed > 0.5}}\n"
       "  half: {expr: u/2, enable: {when: armed, initial: 0}}\n"
