@@ -327,6 +327,7 @@ void Events::end_zeno(std::size_t i, double at, std::int8_t sign) {
   }
   quiet_until_[i] = infinity;
   if (function.is_jump) {
+    take_limit(program_.jumps[function.index]);
     for (const auto& target : program_.jumps[function.index].targets) {
       if (!target.discrete) run_.still.push_back(target.slot - program_.states);
     }
@@ -334,6 +335,35 @@ void Events::end_zeno(std::size_t i, double at, std::int8_t sign) {
   if (!tell) return;
   run_.statistics.warnings.push_back(fmt::format("{}; {} until the next event of something else (zeno: hold)", what,
                                                  function.is_jump ? "what it sets stands still" : "its mode is held"));
+}
+
+// What the states become when the action happens without end, if that has a limit: the speed of a ball comes to rest.
+void Events::take_limit(const Program::Jump& jump) {
+  constexpr int most = 5000;
+  constexpr double contraction = 0.999;
+  const std::size_t n = jump.targets.size();
+  const auto state = [&](std::size_t i) -> double& { return frame_.arena[jump.targets[i].slot]; };
+  std::vector<double> start(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (jump.targets[i].discrete) return;
+    start[i] = state(i);
+  }
+  KernelFrame kernels = frame_.kernel_frame(true);
+  double last = infinity;
+  for (int k = 0; k < most; ++k) {
+    execute(program_.jump_list, frame_.arena, &kernels);
+    double change = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double next = frame_.arena[program_.jump_list.roots[jump.first_value + i]];
+      change = std::max(change, std::fabs(next - state(i)));
+    }
+    if (change == 0) return;
+    if (!(change <= contraction * last)) break;
+    last = change;
+    for (std::size_t i = 0; i < n; ++i) state(i) = frame_.arena[program_.jump_list.roots[jump.first_value + i]];
+    if (k + 1 == most) return;
+  }
+  for (std::size_t i = 0; i < n; ++i) state(i) = start[i];
 }
 
 // Functions that are looked at again fire at once where they have crossed meanwhile.

@@ -69,6 +69,7 @@ class Events {
   bool is_frozen(std::size_t mode) const;
   void watch_for_zeno(double at);
   void end_zeno(std::size_t guard, double at, std::int8_t sign);
+  void take_limit(const Program::Jump& jump);
   bool ends_zeno_after(double before, double after, double& seen);
   std::vector<std::uint8_t> turned_back(double t, double tolerance);
   void note_left_true(const std::vector<int>& fired);

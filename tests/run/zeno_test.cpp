@@ -118,6 +118,17 @@ TEST(S10Zeno, OfABallThatRestsLeavesItOnTheFloor) {
   }
 }
 
+TEST(S10Zeno, OfABallThatRestsIsHeldByEverySolver) {
+  for (const char* solver : {"dopri5", "bogacki_shampine", "bdf", "adams", "ida", "rk4, step: 0.05"}) {
+    for (const char* c : {"c: 0.2", "c: 0.5", "c: 0.8"}) {
+      const std::string how = std::string("zeno: hold, solver: ") + solver;
+      const Signals r = run(with(with(simple_ball(how), "c: 0.5", c), "stop: 5", "stop: 10"));
+      EXPECT_NEAR(r.last("h"), 0, 1e-6) << solver << ' ' << c;
+      EXPECT_NEAR(r.last("v"), 0, 1e-12) << solver << ' ' << c;  // the limit of v, -c v, c^2 v, ...
+    }
+  }
+}
+
 TEST(S10Zeno, CountsTheBouncesOfABallToTheLastThatCanBeSeen) {
   // Bounce n is at t1 (1 + 2 (c + ... + c^(n-1))), and an instant is known to 3e-13 s.
   const Signals r = run(simple_ball("zeno: hold, rtol: 1e-9, atol: 1e-12"));
