@@ -18,6 +18,7 @@ namespace {
 
 constexpr int most_passes = 100;            // of event iteration
 constexpr int most_events_in_a_row = 1000;  // of one function, closer together than 1000 event tolerances
+constexpr int most_events_beyond = 100;     // the limit of a series
 constexpr double near_of_run = 0.05;        // of the search gap, that is 1e-4 of the run
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -91,12 +92,14 @@ bool Events::crossing_between(double before, double after) {
   if (any_muted_) wake();
   const double parts = std::max(1.0, std::ceil((after - before) / run_.search_gap * (1 - 1e-9)));
   double from = before;
-  double seen = before;  // where a condition that held at `before` is seen not to hold
-  if (any_left_true_ && ends_zeno_after(before, after, seen)) return true;
+  seen_.clear();
+  if (any_left_true_ && ends_zeno_after(before, after)) return true;
+  auto seen = seen_.cbegin();
   for (double i = 1; i <= parts;) {
     double to = i < parts ? before + (after - before) * i / parts : after;
-    if (from < seen && seen < to) {
-      to = seen;
+    while (seen != seen_.cend() && *seen <= from) ++seen;
+    if (seen != seen_.cend() && *seen < to) {
+      to = *seen;
     } else {
       ++i;
     }
@@ -175,8 +178,23 @@ void Events::watch_for_zeno(double at) {
     run_.watch.fired(i, at);
     in_a_row_[i] = at - last_event_[i] < close ? in_a_row_[i] + 1 : 0;
     last_event_[i] = at;
-    accumulations_[i].add(at);
-    if (in_a_row_[i] > most_events_in_a_row) end_zeno(i, at, roots_.signs()[i]);
+    accumulations_[i].add(at, std::max(close, near_of_run * run_.search_gap));
+    if (in_a_row_[i] > most_events_in_a_row || accumulations_[i].beyond() > most_events_beyond)
+      end_zeno(i, at, roots_.signs()[i]);
+  }
+}
+
+void Accumulation::add(double t, double most) {
+  times_[count_++ % times_.size()] = t;
+  if (const double left = remaining(); left < most) {
+    limit_ = t + left;
+    width_ = std::max(width_, left);
+  } else if (t <= limit_ + 2 * width_) {
+    if (limit_ < infinity) ++beyond_;
+  } else {
+    limit_ = infinity;
+    width_ = 0;
+    beyond_ = 0;
   }
 }
 
@@ -223,10 +241,10 @@ std::vector<std::uint8_t> Events::turned_back(double t, double tolerance) {
 }
 
 // The steps after an event whose action left its condition true. A condition that ceases to hold for a short time is
-// found there (`seen`), however long the step. One that does not get to cease has events that follow each other without
-// end, too close to be seen: its action turned it back and it turned again at once, or its events accumulate inside the
-// step. Then the run stands at `before` again, and the policy of `zeno` has been applied: true.
-bool Events::ends_zeno_after(double before, double after, double& seen) {
+// found there (`seen_`), however long the step. One that does not get to cease has events that follow each other
+// without end, too close to be seen: its action turned it back and it turned again at once, or its events accumulate
+// inside the step. Then the run stands at `before` again, and the policy of `zeno` has been applied: true.
+bool Events::ends_zeno_after(double before, double after) {
   any_left_true_ = false;
   const double tolerance = event_tolerance(before, options_.event_tol);
   const double close = 1e3 * tolerance;
@@ -237,14 +255,14 @@ bool Events::ends_zeno_after(double before, double after, double& seen) {
   std::vector<std::uint8_t> suspects(left_true_.size(), 0);
   std::vector<std::uint8_t> ends(left_true_.size(), 0);
   std::vector<std::uint8_t> waits(left_true_.size(), 0);  // for the limit of its events
+  std::vector<std::uint8_t> ceases(left_true_.size(), no);
   const std::vector<std::uint8_t> turned = turned_back(before, close / 3);
   bool any = false;
   for (std::size_t i = 0; i < suspects.size(); ++i) {
     if (left_true_[i] == no || is_muted(i)) continue;
-    const double remaining = accumulations_[i].remaining();
-    const bool accumulates =
-        last_event_[i] == left_since_[i] && remaining < std::max(close, near_of_run * run_.search_gap);
-    ends[i] = accumulates && left_since_[i] + remaining <= after;
+    const double limit = std::max(accumulations_[i].limit(), left_since_[i] + close);
+    const bool accumulates = last_event_[i] == left_since_[i] && limit < infinity;
+    ends[i] = accumulates && limit <= after;
     waits[i] = accumulates && ends[i] == 0;
     if (left_true_[i] == yes && turned[i] != 0) left_true_[i] = is_turned;
     suspects[i] = accumulates || left_true_[i] != yes;
@@ -262,9 +280,10 @@ bool Events::ends_zeno_after(double before, double after, double& seen) {
     for (std::size_t i = 0; i < suspects.size(); ++i) {
       if (suspects[i] == 0) continue;
       if (!holds(i, values[i])) {
-        if (!last) seen = before + s;
-        std::fill(left_true_.begin(), left_true_.end(), no);
-        return false;
+        if (!last && (seen_.empty() || seen_.back() < before + s)) seen_.push_back(before + s);
+        suspects[i] = ends[i] = 0;
+        ceases[i] = std::exchange(left_true_[i], std::uint8_t{no});
+        continue;
       }
       const bool is_grown = before + s - left_since_[i] <= close && std::fabs(values[i]) > left_value_[i];
       if (left_true_[i] == is_turned && is_grown) ends[i] = 1;
@@ -285,6 +304,12 @@ bool Events::ends_zeno_after(double before, double after, double& seen) {
       run_.restart = any = true;
     }
     end_zeno(i, before, static_cast<std::int8_t>(-program_.guards[i].direction));
+  }
+  // The step is taken again: what it showed is to be seen then.
+  for (std::size_t i = 0; any && i < ceases.size(); ++i) {
+    if (ceases[i] == no) continue;
+    left_true_[i] = ceases[i];
+    any_left_true_ = true;
   }
   return any;
 }

@@ -19,15 +19,23 @@ namespace plantloop {
 // The last events of one function, and where they accumulate if their intervals shrink as they did.
 class Accumulation {
  public:
-  void add(double t) { times_[count_++ % times_.size()] = t; }
-  // The time (s) from the last event to the limit of all; infinite when the intervals do not shrink.
-  double remaining() const;
+  // An event at time t (s); a limit further away than `most` (s) is none yet.
+  void add(double t, double most);
+  // The time (s) at which the events accumulate; infinite when the intervals do not shrink. Events that come near the
+  // limit are so close that rounding decides about them: they do not move it.
+  double limit() const { return limit_; }
+  // How many there were of those.
+  int beyond() const { return beyond_; }
 
  private:
+  double remaining() const;
   double back(std::size_t n) const { return times_[(count_ - 1 - n) % times_.size()]; }
 
   std::array<double, 17> times_{};  // s
   std::size_t count_ = 0;
+  double limit_ = std::numeric_limits<double>::infinity();
+  int beyond_ = 0;
+  double width_ = 0;  // s; how far away the limit was when it was first found
 };
 
 // Every function throws RunError when events do not settle or follow each other without end.
@@ -70,7 +78,7 @@ class Events {
   void watch_for_zeno(double at);
   void end_zeno(std::size_t guard, double at, std::int8_t sign);
   void take_limit(const Program::Jump& jump);
-  bool ends_zeno_after(double before, double after, double& seen);
+  bool ends_zeno_after(double before, double after);
   std::vector<std::uint8_t> turned_back(double t, double tolerance);
   void note_left_true(const std::vector<int>& fired);
   // Whether a function that was not looked at before fires at once.
@@ -116,7 +124,8 @@ class Events {
   std::vector<std::uint8_t> left_true_;
   bool any_left_true_ = false;
   std::vector<double> left_since_, left_value_;  // s, and the function's absolute value then
-  std::vector<Accumulation> accumulations_;      // per guard
+  std::vector<double> seen_;  // s; inside a step, where conditions that held at its start are seen not to hold
+  std::vector<Accumulation> accumulations_;  // per guard
 };
 
 }  // namespace plantloop

@@ -129,6 +129,44 @@ TEST(S10Zeno, OfABallThatRestsIsHeldByEverySolver) {
   }
 }
 
+TEST(S10Zeno, OfOneBallIsHeldWhileAnotherBounces) {
+  const Signals r = run(R"yaml(
+blocks:
+  h1: {type: integrator, in: v1, initial: 1}
+  v1: {type: integrator, in: -9.81, reset: {when: h1 < 0, to: -0.5*v1}}
+  h2: {type: integrator, in: v2, initial: 2}
+  v2: {type: integrator, in: -9.81, reset: {when: h2 < 0, to: -0.8*v2}}
+simulation: {stop: 10, zeno: hold}
+record: [h1, h2]
+)yaml");
+  for (const char* h : {"h1", "h2"}) {
+    EXPECT_NEAR(r.last(h), 0, 1e-6);
+    for (const double height : r.column(h)) ASSERT_GT(height, -1e-6) << h;
+  }
+}
+
+TEST(S10Zeno, OfABallOnAGroundThatRisesIsSeenThroughRounding) {
+  // Beside the moving ground the ball falls as beside one at rest: v(0) = -0.1, t1 = (sqrt(0.01 + 2 g) - 0.1)/g, and it
+  // hits with w = sqrt(0.01 + 2 g): the end is at t1 + 2 w/g.
+  Report report;
+  const auto diagram = Diagram::from_text(R"yaml(plantloop: 1
+blocks:
+  ground: 0.1*time
+  h: {type: integrator, in: v, initial: 1}
+  v: {type: integrator, in: -9.81, reset: {when: h < ground, to: 0.1 - 0.5*(v - 0.1)}}
+simulation: {stop: 5}
+)yaml",
+                                          "test.yaml", report);
+  ASSERT_TRUE(diagram) << to_text(report);
+  try {
+    diagram->run({}, report);
+    FAIL() << "the run ends";
+  } catch (const RunError& e) {
+    const double w = std::sqrt(0.01 + 2 * 9.81);
+    EXPECT_NEAR(e.time(), (w - 0.1) / 9.81 + 2 * w / 9.81, 1e-6) << e.what();
+  }
+}
+
 TEST(S10Zeno, CountsTheBouncesOfABallToTheLastThatCanBeSeen) {
   // Bounce n is at t1 (1 + 2 (c + ... + c^(n-1))), and an instant is known to 3e-13 s.
   const Signals r = run(simple_ball("zeno: hold, rtol: 1e-9, atol: 1e-12"));
