@@ -222,9 +222,11 @@ class SheetMaker {
   void add_condition(const BoundExpression& when, const std::string& name, int index) {
     if (!reads_signals(when)) return;
     SheetBlock& b = sheet_.blocks[static_cast<std::size_t>(index)];
+    // The sides of a frame belong to the ports inside.
+    if (b.inside && b.top_input >= 0) return;
     b.inputs.push_back(name);
     const int port = static_cast<int>(b.inputs.size()) - 1;
-    if (b.top_input < 0 && b.shape == Shape::box && !b.inside) b.top_input = port;
+    if (b.top_input < 0 && b.shape == Shape::box) b.top_input = port;
     pending_.push_back({when, {index, port}, b.path + "<" + name.substr(0, name.find(' '))});
   }
 
@@ -360,10 +362,8 @@ class SheetMaker {
     for (std::size_t i = 0; i < fed.size(); ++i)
       if (g_.nets[fed[i]].driver)
         pending_.push_back({g_.nets[fed[i]].driver, {index, static_cast<int>(i)}, path + "<" + std::to_string(i)});
-    if (!open) {
-      add_reset(scope.reset_when, scope.reset_to, index, path);
-      add_conditions(GraphChild::Kind::scope, s, index);
-    }
+    if (!open) add_reset(scope.reset_when, scope.reset_to, index, path);
+    add_conditions(GraphChild::Kind::scope, s, index);
     return index;
   }
 

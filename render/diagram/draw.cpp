@@ -81,6 +81,7 @@ class Drawer {
       Group& group = into.group("frame/" + path + block.path);
       outline(group, rounded(moved(b.box, origin), 6), frame_fill(paper), theme_.axis, 1.2, {7, 5});
       caption(group, block, moved(b.box, origin), false, paper);
+      top_name(group, block, b, moved(b.box, origin), frame_fill(paper));
       const bool outside = std::exchange(is_in_frame_, true);
       draw_sheet(group, path + block.path + ".", *block.inside, f.inside,
                  {origin.x + f.origin.x, origin.y + f.origin.y}, frame_fill(paper));
@@ -205,18 +206,21 @@ class Drawer {
       group.add({std::move(inner)});
     }
     Spot centre{(front.left + front.right) / 2, (front.top + front.bottom) / 2};
-    if (block.top_input >= 0) {
-      const std::string& name = placed.inputs[static_cast<std::size_t>(block.top_input)].text;
-      const double size = sheet_style.caption;
-      text(group, name, size, centre.x, front.top + size + 3, 0.5, theme_.muted, face_);
-      centre.y += sheet_style.top_name / 2;
-    }
+    top_name(group, block, placed, front, face_);
+    if (block.top_input >= 0) centre.y += sheet_style.top_name / 2;
     if (block.curves.empty()) {
       formula(group, block.formula, {centre.x + port_shift(placed), centre.y}, theme_.text, face_);
     } else {
       draw_curves(group, block, centre);
     }
     port_names(group, placed, origin);
+  }
+
+  void top_name(Group& group, const SheetBlock& block, const PlacedBlock& placed, const Box& box, Color paper) const {
+    if (block.top_input < 0) return;
+    const double size = sheet_style.caption;
+    text(group, placed.inputs[static_cast<std::size_t>(block.top_input)].text, size, (box.left + box.right) / 2,
+         box.top + size + 3, 0.5, theme_.muted, paper);
   }
 
   // A face moves away from the names of ports on one side only.

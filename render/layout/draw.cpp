@@ -283,7 +283,7 @@ class Drawing {
 
   // An exponent rises to the height of the right axis' lowest number: it stays to the left of that.
   double beside_right(const PanelPlan& p, double x, const Label& label) const {
-    if (!p.twin || p.right_ticks.empty() || -label.top < 0.9 * label.size) return x;
+    if (!p.twin || p.right_ticks.empty() || -label.top < 0.8 * label.size) return x;
     return std::min(x, p.box.right + 3 * u_ - label.width);
   }
 

@@ -289,6 +289,12 @@ TEST(Drawing, ShowsTheConditionsOfBlocksExpressionsAndSubsystems) {
   const Arrangement a = arrange(sheet);
   EXPECT_THAT(faults(sheet, a), IsEmpty());
   EXPECT_THAT(lint(draw(sheet, a)), IsEmpty());
+  // An open subsystem has it at the top of its frame.
+  const Sheet open = sheet_of(*graph, 0, {.depth = 1});
+  EXPECT_EQ(block(open, "heater").top_input, 1);
+  EXPECT_EQ(from(open, "heater", "enable"), "heater<enable");
+  EXPECT_THAT(faults(open, arrange(open)), IsEmpty());
+  EXPECT_THAT(lint(draw(open, arrange(open))), IsEmpty());
 }
 
 TEST(Drawing, HasNoArrowOutOfWhatEndsTheRun) {

@@ -457,6 +457,21 @@ TEST(Bars, KeepAllTheirNames) {
   }
 }
 
+// The exponent of the x axis' last number does not reach under the right axis' lowest one.
+TEST(TwinAxis, KeepsItsLowestNumberApartFromAnExponent) {
+  Figure figure;
+  figure.x = {.label = "frequency [Hz]", .limits = {1, 1000}, .scale = Scale::log};
+  Panel& panel = figure.add_panel();
+  panel.line({1, 1000}, {0, 1});
+  panel.right_series.push_back(line_series({1, 1000}, {0, -1000}));
+  const Scene scene = layout(figure);
+  const auto box_of = [&](const char* role, bool last) {
+    const std::vector<SceneNode>& all = find(scene.root, role)->children;
+    return std::get<TextRun>((last ? all.back() : all.front()).item).box;
+  };
+  EXPECT_LT(box_of("panel/0/x/ticks", true).right + 4 * 256, box_of("panel/0/right/ticks", false).left);
+}
+
 TEST(Insets, LeaveTheLabelsOfLinesReadable) {
   Figure figure;
   Panel& panel = figure.add_panel();
