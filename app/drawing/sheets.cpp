@@ -41,6 +41,8 @@ class SheetMaker {
     for (const std::uint32_t net : named_) source_of(net);
     if (scope_ != 0) add_outputs(scope);
     connect_pending();
+    for (const auto& [bus, port] : buses_)
+      if (wire_from(port).to.empty()) bus_port(bus), wire_from(port).is_shown = true;
     mark_results();
     drop_unread_outputs();
     if (scope_ != 0) sheet_.path = scope.path + ".";
@@ -69,6 +71,8 @@ class SheetMaker {
     }
     pending_.clear();
     for (const auto& [net, to] : std::exchange(unwired_, {})) wire_from(source_of(net)).to.push_back(to);
+    for (const auto& [bus, to] : std::exchange(bus_reads_, {}))
+      if (const auto from = bus_port(bus)) wire_from(*from).to.push_back(to);
   }
 
   // ---- ports of the sheet
@@ -103,6 +107,8 @@ class SheetMaker {
   // ---- children
 
   const std::string& path_of(const GraphChild& child) const {
+    if (child.kind == GraphChild::Kind::bus) return g_.buses[child.index].path;
+    if (child.kind == GraphChild::Kind::repeat) return g_.repeats[child.index].path;
     return child.kind == GraphChild::Kind::scope ? g_.scopes[child.index].path : g_.blocks[child.index].path;
   }
 
@@ -114,6 +120,7 @@ class SheetMaker {
     if (child.kind == GraphChild::Kind::bad || options_.hidden.contains(path_of(child))) return;
     if (child.kind == GraphChild::Kind::scope) return (void)add_subsystem(child.index);
     if (child.kind == GraphChild::Kind::repeat) return add_repeated(g_.repeats[child.index]);
+    if (child.kind == GraphChild::Kind::bus) return add_bus(child.index);
     if (child.kind != GraphChild::Kind::block) return;
     const GraphBlock& graph_block = g_.blocks[child.index];
     if (graph_block.type == nullptr) {
@@ -122,6 +129,57 @@ class SheetMaker {
       return;
     }
     add_block(child.index);
+  }
+
+  // ---- buses: a bar that joins the members, and a box with a member's name where one is read
+
+  void add_bus(std::uint32_t index) {
+    const GraphBus& bus = g_.buses[index];
+    SheetBlock b;
+    b.path = bus.declaration->name;
+    b.shape = Shape::bar;
+    b.outputs = {""};
+    b.inputs.assign(bus.declaration->in.size(), "");
+    const std::string path = b.path;
+    const SheetPort port{add(std::move(b)), 0};
+    buses_[index] = port;
+    for (std::size_t i = 0; i < bus.declaration->in.size(); ++i)
+      feed(bus.first_member + static_cast<std::uint32_t>(i), {port.block, static_cast<int>(i)},
+           path + "<" + std::to_string(i));
+  }
+
+  // What drives a net: an expression, or a whole bus.
+  void feed(std::uint32_t net, SheetPort to, const std::string& path) {
+    if (g_.nets[net].bus != nowhere)
+      bus_reads_.push_back({g_.nets[net].bus, to});
+    else if (g_.nets[net].driver)
+      pending_.push_back({g_.nets[net].driver, to, path});
+  }
+
+  // Where a bus comes from in this sheet: its bar, or the port of a subsystem that stands for it.
+  std::optional<SheetPort> bus_port(std::uint32_t bus) {
+    if (const auto own = buses_.find(bus); own != buses_.end()) {
+      wire_from(own->second).label = shown_name(*g_.buses[bus].declaration);
+      return own->second;
+    }
+    for (const auto& [net, port] : sources_)
+      if (g_.nets[net].bus == bus) return port;
+    return std::nullopt;
+  }
+
+  SheetPort member_port(std::uint32_t net) {
+    const GraphNet& member = g_.nets[net];
+    const std::optional<SheetPort> from = bus_port(member.owner);
+    if (!from) return placeholder(net);
+    const BlockDecl& decl = *g_.buses[member.owner].declaration;
+    const std::string& name = decl.in[member.port].port;
+    SheetBlock b;
+    b.path = decl.name + "." + name;
+    b.formula = pretty_name(name);
+    b.inputs = b.outputs = {""};
+    const SheetPort port{add(std::move(b)), 0};
+    wire_from(*from).to.push_back({port.block, 0});
+    return sources_[net] = port;
   }
 
   // All copies are one block. It is drawn as one in the middle is connected, to others of the copies by a wire that
@@ -360,8 +418,7 @@ class SheetMaker {
         results_[net] = scope.type->outputs.size() == 1 ? name : name + "." + pretty_name(scope.type->outputs[i].name);
     }
     for (std::size_t i = 0; i < fed.size(); ++i)
-      if (g_.nets[fed[i]].driver)
-        pending_.push_back({g_.nets[fed[i]].driver, {index, static_cast<int>(i)}, path + "<" + std::to_string(i)});
+      feed(fed[i], {index, static_cast<int>(i)}, path + "<" + std::to_string(i));
     if (!open) add_reset(scope.reset_when, scope.reset_to, index, path);
     add_conditions(GraphChild::Kind::scope, s, index);
     return index;
@@ -422,6 +479,7 @@ class SheetMaker {
   // The port that gives a net; what an expression block computes is built when it is first asked for.
   SheetPort source_of(std::uint32_t net) {
     if (const auto it = sources_.find(net); it != sources_.end()) return it->second;
+    if (g_.nets[net].kind == GraphNet::Kind::member) return member_port(net);
     const auto name = names_.find(net);
     if (name == names_.end()) return placeholder(net);
     const BlockDecl& decl = *name->second;
@@ -771,9 +829,11 @@ class SheetMaker {
   std::vector<std::pair<std::uint32_t, SheetPort>> unwired_;  // nets, and the inputs that wait for them
   std::set<int> ends_;                                        // blocks that act on the run, not on the diagram
   std::vector<std::uint32_t> named_, fed_;
-  std::map<std::uint32_t, const BlockDecl*> names_;  // expression blocks by their nets
-  std::map<std::uint32_t, SheetPort> sources_;       // of every net that has been drawn
-  std::map<std::uint32_t, SheetPort> nets_;          // the net that gives a port its names
+  std::map<std::uint32_t, const BlockDecl*> names_;             // expression blocks by their nets
+  std::map<std::uint32_t, SheetPort> sources_;                  // of every net that has been drawn
+  std::map<std::uint32_t, SheetPort> buses_;                    // the bars of buses
+  std::vector<std::pair<std::uint32_t, SheetPort>> bus_reads_;  // buses, and the inputs that wait for them
+  std::map<std::uint32_t, SheetPort> nets_;                     // the net that gives a port its names
   std::map<std::uint32_t, std::string> labels_, results_;
   std::set<std::pair<int, int>> labels_of_port_;
   std::set<std::uint32_t> building_;

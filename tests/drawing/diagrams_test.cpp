@@ -141,6 +141,30 @@ TEST(Drawing, TurnsTheInsideOfASubsystemThatLeadsBack) {
   EXPECT_GT(left_of("p"), left_of("n"));
 }
 
+TEST(Drawing, ABusIsABarAndAMemberThatIsReadABoxWithItsName) {
+  const auto graph = graph_of_text(
+      "types:\n  filter:\n    inputs: [m]\n    blocks: {x: {type: first_order, in: m.ax + m.ay, tau: 0.1}}\n    "
+      "outputs: [x]\n"
+      "blocks:\n  ax: {type: sine}\n  ay: {type: step, time: 1}\n  meter: {type: bus, in: {ax: ax, ay: 2*ay}}\n"
+      "  f: {type: filter, in: {m: meter}}\n  y: f - meter.ay\n  spare: {type: bus, in: {m: meter, y: y}}\nrecord: "
+      "[y]\n");
+  for (const int depth : {0, 1}) {
+    const Sheet sheet = sheet_of(*graph, 0, {.depth = depth});
+    EXPECT_THAT(faults(sheet, arrange(sheet)), IsEmpty());
+    EXPECT_EQ(block(sheet, "meter").shape, SheetBlock::Shape::bar);
+    EXPECT_EQ(spoken(block(sheet, "meter.ay").formula), "ay");
+    const auto meter = static_cast<int>(&block(sheet, "meter") - sheet.blocks.data());
+    const auto wire =
+        std::find_if(sheet.wires.begin(), sheet.wires.end(), [&](const SheetWire& w) { return w.from.block == meter; });
+    ASSERT_NE(wire, sheet.wires.end());
+    EXPECT_EQ(wire->label, "meter");
+    EXPECT_EQ(wire->to.size(), 3u);  // the filter, the member and the other bus
+    if (const auto& inside = block(sheet, "f").inside) {
+      EXPECT_EQ(spoken(block(*inside, "meter.ax").formula), "ax");
+    }
+  }
+}
+
 TEST(Drawing, ShowsTransferFunctionsWithTheirNumbersAndNames) {
   const auto graph = graph_of_text(
       "parameters: {k: 5}\nblocks:\n  u: {type: step, time: 1}\n"
