@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "app/drawing/sheets.h"
 #include "app/figures.h"
@@ -50,7 +51,7 @@ std::vector<std::string> diagram_files() {
   return files;
 }
 
-const SheetBlock& block(const Sheet& sheet, const std::string& path) {
+const SheetBlock& block(const Sheet& sheet, std::string_view path) {
   const auto it =
       std::find_if(sheet.blocks.begin(), sheet.blocks.end(), [&](const SheetBlock& b) { return b.path == path; });
   EXPECT_NE(it, sheet.blocks.end()) << path;
