@@ -33,7 +33,7 @@ TEST(Examples, AnswerTheirQuestion) {
     std::ifstream file(script);
     std::getline(file, question);
     EXPECT_TRUE(question.starts_with("-- ") && question.ends_with("?")) << question;
-    fs::remove_all(place);  // what an earlier run drew
+    fs::remove_all(place / "out" / "gallery");  // what an earlier run drew
     fs::create_directories(place);
     fs::current_path(place);
     std::ostringstream output;
@@ -95,7 +95,9 @@ class IdentifyExample : public testing::Test {
 
  private:
   fs::path root_;
-  const fs::path place_ = fs::path("build") / "tests-of-identify";
+  // Of each test its own: tests run at the same time.
+  const fs::path place_ =
+      fs::path("build") / "tests-of-identify" / testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 TEST_F(IdentifyExample, FindsALongDelayAndWritesWhatItPredictsOfTheRowsAfterTheSplit) {
