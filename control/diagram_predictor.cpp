@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -124,8 +125,8 @@ bool DiagramPredictor::sort_entries(const Program::PartialList& partials, std::s
 // --------------------------------------------------------------------------------------------------------------
 
 struct DiagramPredictor::Work {
-  double *arena, *kernels, *scratch, *loop_values, *loops_before, *loop_room, *x, *stage, *f, *sum, *X, *stage_X, *F,
-      *sum_X, *first;
+  double *arena, *kernels, *scratch, *loop_values, *loops_before, *loop_room, *x, *stage, *f, *sum, *X, *stage_slopes,
+      *F, *sum_slopes, *first;
   KernelFrame frame;
   std::size_t size;
 };
@@ -153,9 +154,9 @@ DiagramPredictor::Work DiagramPredictor::begin(double* room, int variables) cons
   w.f = parts.take(n);
   w.sum = parts.take(n);
   w.X = parts.take(n * v);
-  w.stage_X = parts.take(n * v);
+  w.stage_slopes = parts.take(n * v);
   w.F = parts.take(n * v);
-  w.sum_X = parts.take(n * v);
+  w.sum_slopes = parts.take(n * v);
   w.size = parts.taken();
   if (room == nullptr) return w;
   void* begin = w.arena;
@@ -224,6 +225,7 @@ void DiagramPredictor::derivatives(Work& w, const double* x, double* f) const {
 }
 
 void DiagramPredictor::look(Work& w, const double* x, double* y) const {
+  assert(w.arena != nullptr);
   for (int i = 0; i < states_; ++i) w.arena[state_slot(i)] = x[i];
   if (period_ > 0) execute(program_->held_list, w.arena, &w.frame, rate_bit(1));
   if (period_ == 0) follow_modes(w);
@@ -269,11 +271,11 @@ void DiagramPredictor::step_with_slopes(Work& w, const double* u, const double* 
                                         double* X) const {
   set_inputs(w, u);
   const int all = states_ * variables;
-  const auto slopes = [&](const double* at, const double* at_X) {
+  const auto slopes = [&](const double* at, const double* at_slopes) {
     derivatives(w, at, w.f);
     if (!partials_->list.empty()) execute(partials_->list, w.arena, &w.frame);
     std::fill_n(w.F, all, 0.0);
-    add_slopes(w, by_states_, at_X, variables, w.F);
+    add_slopes(w, by_states_, at_slopes, variables, w.F);
     add_slopes(w, by_inputs_, by_u, variables, w.F);
   };
   if (period_ > 0) {
@@ -286,17 +288,17 @@ void DiagramPredictor::step_with_slopes(Work& w, const double* u, const double* 
   for (int k = 0; k < use_.substeps; ++k) {
     slopes(x, X);
     std::copy_n(w.f, states_, w.sum);
-    std::copy_n(w.F, all, w.sum_X);
+    std::copy_n(w.F, all, w.sum_slopes);
     for (const double weight : {2.0, 2.0, 1.0}) {
       const double ahead = weight == 1.0 ? h : 0.5 * h;
       for (int i = 0; i < states_; ++i) w.stage[i] = x[i] + ahead * w.f[i];
-      for (int i = 0; i < all; ++i) w.stage_X[i] = X[i] + ahead * w.F[i];
-      slopes(w.stage, w.stage_X);
+      for (int i = 0; i < all; ++i) w.stage_slopes[i] = X[i] + ahead * w.F[i];
+      slopes(w.stage, w.stage_slopes);
       for (int i = 0; i < states_; ++i) w.sum[i] += weight * w.f[i];
-      for (int i = 0; i < all; ++i) w.sum_X[i] += weight * w.F[i];
+      for (int i = 0; i < all; ++i) w.sum_slopes[i] += weight * w.F[i];
     }
     for (int i = 0; i < states_; ++i) x[i] += h / 6 * w.sum[i];
-    for (int i = 0; i < all; ++i) X[i] += h / 6 * w.sum_X[i];
+    for (int i = 0; i < all; ++i) X[i] += h / 6 * w.sum_slopes[i];
   }
 }
 

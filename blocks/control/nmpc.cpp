@@ -16,7 +16,7 @@
 namespace plantloop {
 namespace {
 
-using Kernel_ = PredictiveControlKernel;
+using ControlKernel = PredictiveControlKernel;
 
 struct Nmpc final : Block {
   static constexpr auto summary = "Control by optimisation over a horizon: model predictive control.";
@@ -289,10 +289,10 @@ expect:
     const Predictor& p = s.kernel->predictor();
     out[u] = array_of(s.values, 0, p.inputs());
     out[std] = array_of(s.values, s.kernel->at_deviation(), p.outputs());
-    out[status] = s[Kernel_::status];
-    out[cost] = s[Kernel_::cost];
-    out[excess] = s[Kernel_::excess];
-    out[iterations] = s[Kernel_::iterations];
+    out[status] = s[ControlKernel::status];
+    out[cost] = s[ControlKernel::cost];
+    out[excess] = s[ControlKernel::excess];
+    out[iterations] = s[ControlKernel::iterations];
   }
 
   void update(Now now, Next next) const override {
@@ -307,9 +307,11 @@ expect:
 
  private:
   struct Solved {
-    std::shared_ptr<const Kernel_> kernel;
+    std::shared_ptr<const ControlKernel> kernel;
     std::vector<Value> values;
-    Value operator[](Kernel_::Result result) const { return values[static_cast<std::size_t>(kernel->at(result))]; }
+    Value operator[](ControlKernel::Result result) const {
+      return values[static_cast<std::size_t>(kernel->at(result))];
+    }
   };
 
   // Ts: of the controller, in s; 0 while it is not known.
@@ -443,7 +445,7 @@ expect:
     add(expanded(now[past_u], p.inputs()));
     add(expanded(now[plan], static_cast<int>(options.blocks.size()) * p.inputs()));
     add(expanded(now[state], p.state_size()));
-    solved.kernel = std::make_shared<Kernel_>(loaded.predictor, options);
+    solved.kernel = std::make_shared<ControlKernel>(loaded.predictor, options);
     solved.values = now.kernel(solved.kernel, in);
     return solved;
   }
