@@ -65,6 +65,7 @@ class SheetMaker {
 
   // What is connected may need further blocks, with inputs of their own.
   void connect_pending() {
+    // NOLINTNEXTLINE(modernize-loop-convert): the list grows meanwhile
     for (std::size_t i = 0; i < pending_.size(); ++i) {
       const Pending p = pending_[i];
       connect(p.driver, p.to, p.path);
@@ -151,7 +152,7 @@ class SheetMaker {
   // What drives a net: an expression, or a whole bus.
   void feed(std::uint32_t net, SheetPort to, const std::string& path) {
     if (g_.nets[net].bus != nowhere)
-      bus_reads_.push_back({g_.nets[net].bus, to});
+      bus_reads_.emplace_back(g_.nets[net].bus, to);
     else if (g_.nets[net].driver)
       pending_.push_back({g_.nets[net].driver, to, path});
   }
