@@ -1,6 +1,6 @@
 // Parameters that are estimated while the plant runs.
 //
-// L. Ljung, System Identification, 2nd edition 1999, section 11.2; book section 2.3.
+// L. Ljung, System Identification, 2nd edition 1999, section 11.2; book section 2.1.
 
 #include <fmt/format.h>
 
