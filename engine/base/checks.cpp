@@ -24,7 +24,7 @@ const std::vector<CheckInfo>& checks() {
        "a sampled block or expression that reads a signal of another rate: at its hits it takes the present value; a "
        "rate_transition says with which latency"},
       {"restarts", Level::warning, "events make the solver start anew more often than in one of ten steps"},
-      {"saturated", Level::warning, "a saturation was at a limit for more than 95 % of the run"},
+      {"saturated", Level::warning, "a block was at a limit of its own for more than 95 % of the run"},
       {"sizes", Level::error, "signals, parameters and ports whose sizes do not fit", true},
       {"step-size", Level::warning, "the solver's steps collapsed; the fastest state is named"},
       {"unconnected", Level::error, "an input without default that nothing feeds", true},

@@ -377,8 +377,10 @@ class Compiler {
     held.held_is_external = false;
     for (std::uint32_t id = 0; id < graph_.operations.size(); ++id) {
       const Operation& o = graph_.operations[id];
-      if (!is_leaf(o.op) && !o.is_continuous() && !o.is_parameter_only() && slots.has_slot(id))
-        held.roots.push_back(id);
+      if (is_leaf(o.op) || o.is_continuous() || o.is_parameter_only()) continue;
+      if ((o.op == Op::min || o.op == Op::max) && graph_.operations[o.b].is_parameter_only())
+        program_->limits.push_back({slots.slot(id), slots.slot(o.b), o.site});
+      if (slots.has_slot(id)) held.roots.push_back(id);
     }
     const std::size_t demanded = held.roots.size();
     held.roots.insert(held.roots.end(), resolved_->nexts.begin(), resolved_->nexts.end());

@@ -229,6 +229,16 @@ Value OperationGraph::mode_of_loop(Value update) {
   return self;
 }
 
+// min or max; b counts as a limit where a block's arithmetic gives it by parameters alone.
+Value OperationGraph::chosen(Op op, Value a, Value b) {
+  const Value takes_b = op == Op::min ? mode(Op::less, b, a) : mode(Op::less, a, b);
+  if (!takes_b.is_known() && mask_of(b) == 0) {
+    const Operation& o = operations[takes_b.id()];
+    if (o.op == Op::mode) modes[o.a].of_limit = true;
+  }
+  return where(Truth(takes_b), b, a);
+}
+
 Value OperationGraph::as_mode(Op op, Value a, Value b) {
   switch (op) {
     case Op::less:
@@ -238,9 +248,8 @@ Value OperationGraph::as_mode(Op op, Value a, Value b) {
     case Op::abs:
       return where(Truth(mode(Op::less, a, 0.0)), -a, a);
     case Op::min:
-      return where(Truth(mode(Op::less, b, a)), b, a);
     case Op::max:
-      return where(Truth(mode(Op::less, a, b)), b, a);
+      return chosen(op, a, b);
     case Op::sign: {
       const Value positive = mode(Op::less, 0.0, a);
       return where(Truth(positive), Value(1.0), where(Truth(mode(Op::less, a, 0.0)), Value(-1.0), Value(0.0)));

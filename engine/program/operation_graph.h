@@ -42,6 +42,7 @@ struct Mode {
   std::uint32_t site;
   bool of_loop = false;         // frozen only while the sampled loop that it belongs to is solved; no guards
   std::uint32_t operation = 0;  // of a loop's: Op::mode
+  bool of_limit = false;        // not 0 where the output of a block is at a limit that parameters alone give
 };
 
 // Unknowns that equations determine together: an algebraic loop that was torn, or declared constraints.
@@ -113,6 +114,7 @@ class OperationGraph final : public OperationSink {
   Value plain(Op op, Value a, Value b = 0, Value c = 0);
   Value as_mode(Op op, Value a, Value b);
   Value mode(Op op, Value a, Value b);
+  Value chosen(Op op, Value a, Value b);
   Value mode_of_loop(Value update);
   std::uint32_t find(const Operation& operation) const;
   void grow_table();

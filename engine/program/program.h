@@ -92,6 +92,12 @@ struct Program {
     std::vector<Smoothed> sources;
   };
   std::vector<KernelState> kernels;
+  // What limits a sampled signal, for the report of a run: `value` is at the limit where it equals `limit`.
+  struct Limit {
+    SlotIndex value, limit;
+    std::uint32_t site;
+  };
+  std::vector<Limit> limits;
   // Unknowns that equations determine together; the lists that read them solve them first.
   struct Loop {
     std::string path;  // "a -> b -> a"

@@ -375,17 +375,18 @@ std::optional<PreparedRun> Diagram::prepare(const RunRequest& request, Report& r
 
 namespace {
 
-// Continuous saturations that did hardly anything but limit.
-void check_saturations(const CompiledDiagram& built, const RunStatistics& statistics, Report& report) {
+bool has_limits(const BlockType& type) {
+  const auto& names = type.block->settable;
+  return std::any_of(names.begin(), names.end(), [](std::string_view n) { return n == "lower" || n == "upper"; });
+}
+
+// Blocks with limits that did hardly anything but keep to them.
+void check_limits(const CompiledDiagram& built, const RunStatistics& statistics, Report& report) {
   std::map<std::string_view, double> share;  // by block
-  const auto& modes = built.program->resolved->graph.modes;
-  for (std::size_t m = 0; m < modes.size() && m < statistics.mode_share.size(); ++m) {
-    const Site& site = built.program->sites[modes[m].site];
-    if (!modes[m].of_loop && site.method == "outputs") share[site.path] += statistics.mode_share[m];
-  }
+  for (const LimitShare& limit : statistics.limits) share[built.program->sites[limit.site].path] += limit.share;
   constexpr double most = 0.95;
   for (const GraphBlock& block : built.graph->blocks) {
-    if (!block.type || block.type->name != "saturation") continue;
+    if (!block.type || !has_limits(*block.type)) continue;
     const auto found = share.find(block.path);
     const int elements = std::max(1, built.graph->nets[block.first_output].shape.size());
     if (found == share.end() || found->second / elements <= most) continue;
@@ -399,7 +400,7 @@ void tell_findings(const CompiledDiagram& built, const RunStatistics& statistics
   for (const std::string& text : statistics.warnings) report.check("zeno", {}, "{}", text);
   for (const RunFinding& found : statistics.findings)
     report.check(found.check, built.program->sites[found.site].mark, "{}", found.text);
-  check_saturations(built, statistics, report);
+  check_limits(built, statistics, report);
 }
 
 }  // namespace

@@ -390,7 +390,7 @@ class Runner {
   // The discrete states of the rates that had a hit. What anybody reads are copies taken at the hit, so no order
   // matters.
   void update(Mask bits) {
-    run_.watch.hit(bits);
+    run_.watch.hit(run_.t, bits);
     for (std::size_t i = 0; i < program_.discretes.size(); ++i) {
       if ((rate_bit(program_.discrete_rates[i]) & bits) != 0 && had_hit(program_.discrete_rates[i])) {
         const double next = frame_.arena[program_.nexts[i]];

@@ -52,13 +52,19 @@ struct RunFinding {
   std::uint32_t site = 0;  // into Program::sites
 };
 
+// Of the run's time, how much an element of a block's output was at a limit; counted at hits where it is sampled.
+struct LimitShare {
+  double share;
+  std::uint32_t site = 0;  // into Program::sites
+};
+
 struct RunStatistics {
   SolverStatistics solver;
   std::int64_t rows = 0, hits = 0, events = 0, mode_changes = 0;
   std::string ended_by;               // path of the block that ended the run before its stop time; "": none did
   std::vector<std::string> warnings;  // what the run went on in spite of
   std::vector<RunFinding> findings;
-  std::vector<double> mode_share;  // by mode of the Program: of the run's time, how much it was not 0
+  std::vector<LimitShare> limits;
 };
 
 // Runs from the initial values to the stop time. `columns` name the Program's watches, in their order; rates index

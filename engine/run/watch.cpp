@@ -31,7 +31,10 @@ RunWatch::RunWatch(const Frame& frame, const SimulationOptions& options)
       program_(*frame.program),
       options_(options),
       modes_since_(options.start),
+      hit_since_(options.start),
       mode_time_(program_.modes.size()),
+      limit_time_(program_.limits.size()),
+      at_limit_(program_.limits.size()),
       events_(program_.guards.size()),
       last_event_(program_.guards.size(), -std::numeric_limits<double>::infinity()),
       streak_start_(program_.guards.size()),
@@ -48,7 +51,20 @@ RunWatch::RunWatch(const Frame& frame, const SimulationOptions& options)
   }
 }
 
-void RunWatch::hit(Mask bits) {
+void RunWatch::limits_until(double t) {
+  if (t <= hit_since_) return;
+  for (std::size_t i = 0; i < at_limit_.size(); ++i) {
+    if (at_limit_[i] != 0) limit_time_[i] += t - hit_since_;
+  }
+  hit_since_ = t;
+}
+
+void RunWatch::hit(double t, Mask bits) {
+  limits_until(t);
+  for (std::size_t i = 0; i < at_limit_.size(); ++i) {
+    const Program::Limit& limit = program_.limits[i];
+    at_limit_[i] = frame_.arena[limit.value] == frame_.arena[limit.limit];
+  }
   for (Status& status : statuses_) {
     const Program::KernelState& kernel = program_.kernels[status.kernel];
     if ((kernel.mask & bits) == 0 || (kernel.gate != no_gate && frame_.arena[kernel.gate] == 0)) continue;
@@ -171,8 +187,17 @@ std::string RunWatch::hint() const {
 
 void RunWatch::finish(double t, bool whole, RunStatistics& statistics) {
   modes_until(t);
+  limits_until(t);
   const double length = t - options_.start;
-  for (const double time : mode_time_) statistics.mode_share.push_back(length > 0 ? time / length : 0);
+  const auto tell_limit = [&](double time, std::uint32_t site) {
+    if (length > 0 && !program_.sites[site].method.starts_with("wire"))
+      statistics.limits.push_back({time / length, site});
+  };
+  const std::vector<Mode>& modes = program_.resolved->graph.modes;
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    if (modes[m].of_limit && !modes[m].of_loop) tell_limit(mode_time_[m], modes[m].site);
+  }
+  for (std::size_t i = 0; i < limit_time_.size(); ++i) tell_limit(limit_time_[i], program_.limits[i].site);
 
   std::int64_t all = 0;
   std::map<std::string, std::pair<std::int64_t, std::uint32_t>> by_name;

@@ -21,8 +21,9 @@ class RunWatch {
   void active(std::size_t jump) { active_[jump] = 1; }
   // To be called before modes change: until t (s) they were as they stand in the arena.
   void modes_until(double t);
-  // The rates of `bits` had a hit, and all is computed: what controllers say of their search is counted.
-  void hit(Mask bits);
+  // The rates of `bits` had a hit at time t (s), and all is computed: what controllers say of their search is counted,
+  // and what is at its limit.
+  void hit(double t, Mask bits);
   // To be called before each step, and after one whose length the integrator chose.
   void before_step(std::size_t states);
   void after_step(double before, double after, std::size_t states);
@@ -34,6 +35,7 @@ class RunWatch {
 
  private:
   void tell_statuses();
+  void limits_until(double t);
   void explain_short_steps(double t, double h);
   const Program::Guard& guard(std::size_t g) const { return program_.guards[g]; }
   std::string name_of(std::size_t g) const;
@@ -42,8 +44,10 @@ class RunWatch {
   const Frame& frame_;
   const Program& program_;
   const SimulationOptions& options_;
-  double modes_since_;
-  std::vector<double> mode_time_;  // s
+  double modes_since_, hit_since_;
+  // s; of modes that say that a limit is reached, of sampled limits, and whether they were at it after the last hit.
+  std::vector<double> mode_time_, limit_time_;
+  std::vector<std::uint8_t> at_limit_;
   // Per guard: events in all, its last one (s), how many follow each other closely, and since when (s).
   std::vector<std::int64_t> events_;
   std::vector<double> last_event_, streak_start_;

@@ -71,6 +71,7 @@ const std::vector<Door>& doors() {
       {"nlohmann/", {"engine/base/report.cpp", "engine/run", "app", "tests"}},
       {"Eigen/",
        {"identify", "learned", "engine/analysis/matrix.cpp", "scripts/host", "render/numbers", "tests", "bench"}},
+      {"boost/math/", {"engine/analysis/quantiles.cpp"}},
       {"unsupported/Eigen/FFT", {"identify/spectra/fft.cpp", "render/numbers/statistics.cpp"}},
       {"unsupported/Eigen/MatrixFunctions", {"engine/analysis/matrix.cpp"}},
       {"gtest/", {"tests"}},

@@ -119,6 +119,33 @@ simulation: {stop: 10}
   EXPECT_THAT(with("4.2"), IsEmpty());  // 80 %
 }
 
+// The same input, sampled: at 4.03 the last hit at the limit is at 9.6 s and holds until 9.7 s.
+TEST(S17Run, SaysWhatSampledBlockWasAtALimit) {
+  EXPECT_THAT(outcome(R"(
+blocks:
+  u: {type: saturation, in: 5 - 0.1*time, upper: 4.035, rate: 0.1}
+  v: {type: saturation, in: 5 - 0.1*time, upper: 4.2, rate: 0.1}
+simulation: {stop: 10}
+)")
+                  .text,
+              AllOf(HasSubstr("'u' was at a limit for 97 % of the run"), Not(HasSubstr("'v'"))));
+}
+
+// Limits of controllers count, whatever anti-windup does with them; what clips a table's input is no limit of a block.
+TEST(S17Run, SaysWhatControllerWasAtALimit) {
+  EXPECT_THAT(outcome(R"(
+blocks:
+  a: {type: pi, in: 1 + time, kp: 2, ki: 1, upper: 1}
+  b: {type: discrete_pid, in: 1 + time, kp: 2, ki: 1, upper: 1, rate: 0.1}
+  c: {type: pid, in: 1 + time, kp: 2, ki: 1, lower: 0, upper: 1, anti_windup: clamp}
+  d: {type: lookup_1d, in: 5 + time, x: [0, 1], y: [0, 1], outside: clip}
+simulation: {stop: 1}
+)")
+                  .text,
+              AllOf(HasSubstr("'a' was at a limit for 100 %"), HasSubstr("'b' was at a limit for 100 %"),
+                    HasSubstr("'c' was at a limit for 100 %"), Not(HasSubstr("'d'"))));
+}
+
 TEST(S17Run, SaysWhatWasNeverActive) {
   EXPECT_THAT(
       outcome(R"(
