@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "engine/base/error.h"
+#include "engine/program/affine.h"
 #include "engine/program/resolve.h"
 #include "engine/program/solve_loop.h"
 
@@ -74,6 +75,8 @@ bool DiagramPredictor::look_at(std::string& error) {
   partials_ = sampled > 0 ? &program_->linear.hits.front() : &program_->linear.flow;
   if (!sort_entries(*partials_, sampled > 0 ? program_->linear.held_masks.size() : 0, error)) return false;
 
+  is_affine_ = find_affine();
+
   linear.evaluate_outputs();
   for (std::size_t i = 0; i < use_.inputs.size(); ++i) base_.push_back(linear.output(use_.outputs.size() + i));
   // A hit at the start has updated sampled states already.
@@ -81,6 +84,20 @@ bool DiagramPredictor::look_at(std::string& error) {
     start_.push_back(linear.frame->arena[period_ > 0 ? program_->initial_list.roots[continuous + i]
                                                      : state_slot(static_cast<int>(i))]);
   return true;
+}
+
+// Whether states and outputs at the next sample are affine in states and inputs: so are those of all samples then.
+bool DiagramPredictor::find_affine() const {
+  if (!program_->modes.empty()) return false;
+  const Resolved& resolved = *program_->resolved;
+  std::vector<std::uint32_t> roots = period_ > 0 ? resolved.nexts : resolved.derivatives;
+  roots.insert(roots.end(), resolved.watches.begin(),
+               resolved.watches.begin() + static_cast<std::ptrdiff_t>(use_.outputs.size()));
+  return are_affine(resolved.graph, roots, [&](const Operation& o) {
+    if (o.op == Op::state || o.op == Op::discrete) return true;
+    return o.op == Op::parameter && std::any_of(linear_->probes.begin(), linear_->probes.end(),
+                                                [&](const auto& probe) { return probe.parameter == o.a; });
+  });
 }
 
 // Puts the partial derivatives in their places, and says what may not depend on what. Rows before `first_row` are held

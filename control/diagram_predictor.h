@@ -39,7 +39,7 @@ class DiagramPredictor final : public Predictor {
   int outputs() const override { return static_cast<int>(use_.outputs.size()); }
   int extras() const override { return state_size(); }
   int state_size() const override { return states_; }
-  bool is_linear() const override { return false; }  // one program more finds out when it is
+  bool is_linear() const override { return is_affine_; }
   int dead_samples(int) const override { return 0; }
   std::size_t room(int horizon, int variables) const override;
   void output(const double* state, double* y, double* room) const override;
@@ -59,6 +59,7 @@ class DiagramPredictor final : public Predictor {
   };
   DiagramPredictor() = default;
   bool look_at(std::string& error);
+  bool find_affine() const;
   bool sort_entries(const Program::PartialList& partials, std::size_t first_row, std::string& error);
   Work begin(double* room, int variables) const;
   void set_inputs(Work& work, const double* u) const;
@@ -75,6 +76,7 @@ class DiagramPredictor final : public Predictor {
   std::unique_ptr<LinearProgram> linear_;
   const Program* program_ = nullptr;
   const Program::PartialList* partials_ = nullptr;
+  bool is_affine_ = false;
   std::vector<std::pair<std::string, std::string>> sources_;
   std::vector<std::string> names_;
   std::vector<double> start_, base_;  // states, and the inputs' wires when nothing is added to them

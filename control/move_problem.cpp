@@ -337,6 +337,11 @@ void MoveSearch::clip(double* v) const {
   }
 }
 
+bool MoveSearch::is_out_of_time() const {
+  if (options_.max_time <= 0) return false;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count() > options_.max_time;
+}
+
 // From v, whose value is given and whose signals stand; true when an optimum, or the least violation, was found.
 bool MoveSearch::search(double* v, Value value) {
   double weight = 0;  // of the violation of hard limits in the merit
@@ -345,7 +350,7 @@ bool MoveSearch::search(double* v, Value value) {
   is_curved_ = false;
   is_known_active_ = false;
   constexpr int quick = 5;
-  for (int iteration = 0; iterations_ < options_.max_iterations; ++iteration) {
+  for (int iteration = 0; iterations_ < options_.max_iterations && !is_out_of_time(); ++iteration) {
     ++iterations_;
     differentiate();
     if (is_slow || iteration >= quick) curve(v);
@@ -403,6 +408,7 @@ bool MoveSearch::search(double* v, Value value) {
     constexpr int halvings = 20;
     bool improved = false;
     for (int i = 0; i < halvings && !improved; ++i, part *= 0.5) {
+      if (i > 0 && is_out_of_time()) break;
       for (int a = 0; a < variables_; ++a) trial_[a] = v[a] + part * program_.x[a];
       clip(trial_);  // of rounding
       const Value then = evaluate(trial_);
@@ -414,6 +420,7 @@ bool MoveSearch::search(double* v, Value value) {
       keep_best(v, value);
     }
     if (improved) continue;
+    if (is_out_of_time()) return false;
     if (is_curved_) return descent <= 1e-8 * (std::abs(merit) + 1e-12);
     is_slow = true;
     evaluate(v);
@@ -430,7 +437,7 @@ bool MoveSearch::try_candidates(double* v, Value* value) {
     const double reach = std::max(1.0, std::abs(n_->before[input]));
     const double from = is_limit(n_->lower[input]) ? n_->lower[input] : n_->before[input] - reach;
     const double to = is_limit(n_->upper[input]) ? n_->upper[input] : n_->before[input] + reach;
-    for (int c = 0; c < options_.candidates; ++c) {
+    for (int c = 0; c < options_.candidates && !is_out_of_time(); ++c) {
       const double level =
           options_.candidates == 1 ? 0.5 * (from + to) : from + (to - from) * c / (options_.candidates - 1);
       std::copy_n(start_, variables_, trial_);
@@ -465,6 +472,7 @@ MoveSearch::Result MoveSearch::solve(const MoveNumbers& numbers, double* plan) {
   set_slopes_of_inputs();
   has_best_ = false;
   iterations_ = 0;
+  if (options_.max_time > 0) began_ = std::chrono::steady_clock::now();
   clip(plan);
   std::copy_n(plan, variables_, start_);
   bool converged = false;
@@ -485,7 +493,7 @@ MoveSearch::Result MoveSearch::solve(const MoveNumbers& numbers, double* plan) {
   result.cost = best_value_.cost;
   result.excess = best_value_.excess;
   result.status = !is_feasible(best_value_)                  ? infeasible
-                  : !converged                               ? out_of_iterations
+                  : !converged                               ? used_up
                   : options_.soft && best_value_.penalty > 0 ? soft_exceeded
                                                              : solved;
   return result;

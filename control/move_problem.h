@@ -13,6 +13,7 @@
 
 #pragma once
 
+#include <chrono>
 #include <vector>
 
 #include "control/quadratic_program.h"
@@ -51,6 +52,7 @@ struct SearchOptions {
                       // excess s
   int candidates = 11;
   int max_iterations = 50;
+  double max_time = 0;      // s by the clock; 0: no limit, and results that do not depend on the machine
   double tolerance = 1e-9;  // of the last step, relative
   friend bool operator==(const SearchOptions&, const SearchOptions&) = default;
 };
@@ -58,7 +60,7 @@ struct SearchOptions {
 class MoveSearch {
  public:
   static constexpr double feasibility = 1e-8;  // by how much a kept limit may be exceeded, relative to its width
-  enum Status { solved = 0, soft_exceeded = 1, out_of_iterations = 2, infeasible = 3, no_prediction = 4 };
+  enum Status { solved = 0, soft_exceeded = 1, used_up = 2, infeasible = 3, no_prediction = 4 };
   struct Result {
     Status status = no_prediction;
     double cost = 0;    // without penalties
@@ -101,6 +103,7 @@ class MoveSearch {
   QuadraticProgram::Outcome quadratic(const double* v, bool slack, double weight);
   void keep_best(const double* v, const Value& value);
   bool is_better(const Value& a, const Value& b) const;
+  bool is_out_of_time() const;
   bool is_feasible(const Value& value) const { return value.violation <= 1; }
   void clip(double* v) const;
   bool search(double* v, Value value);
@@ -120,6 +123,7 @@ class MoveSearch {
   Value best_value_;
   bool has_best_ = false;
   int iterations_ = 0;
+  std::chrono::steady_clock::time_point began_;
   bool is_curved_ = false;               // curvature_ counts
   int first_signal_row_ = 0, rows_ = 0;  // of the last program
 };

@@ -14,7 +14,7 @@ PredictiveControlKernel::PredictiveControlKernel(std::shared_ptr<const Predictor
     : predictor_(std::move(predictor)), how_(std::move(how)), blocks_(MoveBlocks::make(how_.blocks, how_.horizon)) {}
 
 std::vector<std::string> PredictiveControlKernel::status_words() const {
-  return {"optimum found", "optimum found with a soft limit exceeded", "iterations used up",
+  return {"optimum found", "optimum found with a soft limit exceeded", "iterations or time used up",
           "limits that no input keeps", "no prediction"};
 }
 

@@ -39,8 +39,9 @@ struct Nmpc final : Block {
       "may be exceeded by s, for slack_weight (s + s^2) of each signal's greatest s. A linear model makes a quadratic "
       "program, which is solved exactly; others are solved by Gauss and Newton's method with exact derivatives (SQP) "
       "from the last moves on, and anew where a constant input of `candidates` between the limits is better. When "
-      "max_iterations are used up the best moves so far are taken; they are counted and not timed, so that a run "
-      "repeats to the last bit.  status: 0 optimum found, 1 optimum with a soft limit exceeded, 2 iterations used up, "
+      "max_iterations are used up, or max_time, the best moves so far are taken. Without max_time a run repeats to the "
+      "last bit on any machine.  status: 0 optimum found, 1 optimum with a soft limit exceeded, 2 iterations or time "
+      "used up, "
       "3 no input keeps the limits, 4 the model gives no finite prediction, and the last moves go on.";
   static constexpr auto example = R"(
 blocks:
@@ -134,6 +135,14 @@ expect:
   Count candidates{
       this, "candidates", {.init = 11, .doc = "constant inputs that are tried at each sample", .min = 0, .max = 10000}};
   Count max_iterations{this, "max_iterations", {.init = 50, .doc = "at one sample", .min = 1, .max = 10000}};
+  Number max_time{this,
+                  "max_time",
+                  {.init = 0,
+                   .unit = "s",
+                   .doc = "by the clock, for the search at one sample; 0: no limit. Results then depend on the machine",
+                   .min = 0,
+                   .structural = true,
+                   .size = scalar}};
   Table start_of_model{
       this,
       "initial",
@@ -407,6 +416,7 @@ expect:
     result.search.soft = limits.is("soft");
     result.search.candidates = candidates.value();
     result.search.max_iterations = max_iterations.value();
+    result.search.max_time = now[max_time][0].number();
     return result;
   }
 

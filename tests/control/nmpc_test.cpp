@@ -428,6 +428,63 @@ TEST(Nmpc, ASampledDiagramIsAModelToo) {
   EXPECT_NEAR(first.samples("c.cost")[0], std::pow(0.2 - 0.5 * std::tanh(0.2) + 0.01, 2), 1e-12);
 }
 
+// x1+ = 0.9 x1 + 0.05 u + 0.05, x2+ = sin(0.9) x2 + x1 - u, y = 2 x1 - 0.3 x2, from rest.
+TEST(Nmpc, ALinearDiagramMakesOneQuadraticProgram) {
+  constexpr double w = 0.7, beta = 0.05;
+  const auto outputs = [](double first, double second) {
+    double x1 = 0, x2 = 0;
+    std::array<double, 6> y{};
+    for (std::size_t j = 0; j < y.size(); ++j) {
+      const double u = j == 0 ? first : second;
+      x2 = std::sin(0.9) * x2 + x1 - u;
+      x1 = 0.9 * x1 + 0.05 * u + 0.05;
+      y[j] = 2 * x1 - 0.3 * x2;
+    }
+    return y;
+  };
+  // The normal equations H u = g of sum (w - y)^2 + beta (u1^2 + (u2 - u1)^2).
+  const auto free = outputs(0, 0), by_first = outputs(1, 0), by_second = outputs(0, 1);
+  double H11 = 2 * beta, H12 = -beta, H22 = beta, g1 = 0, g2 = 0;
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    const double first = by_first[j] - free[j], second = by_second[j] - free[j];
+    H11 += first * first, H12 += first * second, H22 += second * second;
+    g1 += first * (w - free[j]), g2 += second * (w - free[j]);
+  }
+  const double u1 = (H22 * g1 - H12 * g2) / (H11 * H22 - H12 * H12);
+  const double u2 = (H11 * g2 - H12 * g1) / (H11 * H22 - H12 * H12);
+  double cost = beta * (u1 * u1 + (u2 - u1) * (u2 - u1));
+  for (const double y : outputs(u1, u2)) cost += (w - y) * (w - y);
+  const auto control = [](const std::string& model) {
+    return run("blocks:\n  c: {type: nmpc, rate: 0.4, model: tests/control/models/" + model +
+               ", input: u, output: y, in: {w: 0.7, y: 0}, horizon: 6, control_horizon: 2, move_weight: 0.05}\n"
+               "simulation: {stop: 0.3}\nrecord: [c.u, c.cost, c.iterations, c.status]\n");
+  };
+  const Signals r = control("affine.yaml");
+  EXPECT_NEAR(r.samples("c.u")[0], u1, 1e-9);
+  EXPECT_NEAR(r.samples("c.cost")[0], cost, 1e-9);
+  EXPECT_EQ(r.samples("c.iterations")[0], 1);
+  EXPECT_EQ(r.samples("c.status")[0], 0);
+  EXPECT_EQ(control("affine_continuous.yaml").samples("c.iterations")[0], 1);
+}
+
+TEST(Nmpc, GivesTheBestMovesSoFarWhenTimeIsUsedUp) {
+  const Signals r =
+      run("blocks:\n"
+          "  c: {type: nmpc, model: diagrams/book/models/first_order_mlp.yaml, in: {w: 1, y: y}, horizon: 8, "
+          "control_horizon: 4, lower: -1.5, upper: 1.5, max_rate: 1, initial_u: -0.2, max_time: 1e-12}\n"
+          "  y: {type: unit_delay, in: y - 0.5*tanh(y + c.u^3), rate: 0.5}\n"
+          "simulation: {stop: 2}\nrecord: [c.u, c.status, c.cost]\n");
+  EXPECT_EQ(r.samples("c.status")[0], 2);
+  EXPECT_TRUE(std::isfinite(r.samples("c.cost")[0]));
+  double before = -0.2;
+  for (const double u : r.samples("c.u")) {
+    EXPECT_LE(std::abs(u - before), 0.5 + 1e-12);
+    before = u;
+  }
+  ASSERT_EQ(r.whole().statistics.findings.size(), 1U);
+  EXPECT_THAT(r.whole().statistics.findings[0].text, HasSubstr("iterations or time used up"));
+}
+
 TEST(Nmpc, AMeasuredStateLeavesNoOffsetAlthoughTheModelIsWrong) {
   const Signals r =
       run("blocks:\n"

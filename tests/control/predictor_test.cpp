@@ -110,5 +110,18 @@ TEST(Predictor, KnowsDeadTimeAndLinearity) {
   EXPECT_FALSE(load("diagrams/book/models/first_order_mlp.yaml")->is_linear());
 }
 
+TEST(Predictor, KnowsWhichDiagramIsLinear) {
+  const auto is_linear = [](const std::string& file, const std::string& output) {
+    const LoadedPredictor loaded =
+        load_predictor({.path = "tests/control/models/" + file, .inputs = {"u"}, .outputs = {output}, .Ts = 0.4});
+    EXPECT_TRUE(loaded.predictor) << loaded.error;
+    return loaded.predictor && loaded.predictor->is_linear();
+  };
+  EXPECT_TRUE(is_linear("affine.yaml", "y"));
+  EXPECT_TRUE(is_linear("affine_continuous.yaml", "y"));
+  EXPECT_FALSE(is_linear("stepped.yaml", "x"));
+  EXPECT_FALSE(is_linear("sampled.yaml", "y"));
+}
+
 }  // namespace
 }  // namespace plantloop
