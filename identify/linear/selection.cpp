@@ -90,7 +90,7 @@ double free_run_error(const RegressionModel& model, const DataSet& data) {
 }
 
 RegressorSet first_terms(const RegressorSet& candidates, const ForwardSelection& chosen, std::size_t count) {
-  RegressorSet set{candidates.inputs, candidates.outputs, {}};
+  RegressorSet set{candidates.inputs, candidates.outputs, {}, candidates.errors};
   for (std::size_t i = 0; i < count; ++i)
     set.list.push_back(candidates.list[static_cast<std::size_t>(chosen.order[i])]);
   return set;

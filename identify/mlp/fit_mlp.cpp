@@ -12,16 +12,34 @@
 #include "identify/data/preprocess.h"
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
+#include "identify/mlp/fit_parts.h"
 #include "identify/mlp/problems.h"
 
 namespace plantloop::identify {
-namespace {
-
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
 constexpr double infinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+double score(const TrainingResult& result, bool validated) {
+  const double value = validated ? result.validation_sse : result.criterion;
+  return std::isfinite(value) ? value : infinite;
+}
+
+std::string line_of(const std::string& what, const TrainingResult& result, Index targets, const Training* validation) {
+  std::string text = fmt::format("{}: error {:.6g}", what, std::sqrt(result.sse / static_cast<double>(targets)));
+  if (validation != nullptr)
+    text += fmt::format(", validation {:.6g}",
+                        std::sqrt(result.validation_sse / static_cast<double>(validation->targets())));
+  return text + fmt::format(" after {} iterations; {}", result.iterations, result.stopped);
+}
+
+namespace {
 
 void check_options(const MlpOptions& options) {
   if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
@@ -33,6 +51,9 @@ void check_options(const MlpOptions& options) {
     fail("the number of one-step iterations is {}; it must be 0 or more", options.one_step_iterations);
   if (std::any_of(options.horizons.begin(), options.horizons.end(), [](int length) { return length < 0; }))
     fail("the horizons of the free run are numbers of samples; 0 stands for the whole record");
+  if (options.nc < 0 || options.nd < 0) fail("the orders of a noise model, 'nc' and 'nd', must be 0 or more");
+  if (options.nd > 0 && !options.simulation)
+    fail("a filter D ('nd') stands beside a simulated map only: structure NBJ; of NARMAX there is C ('nc')");
   if (options.activation == Activation::signum || options.output_activation == Activation::signum)
     fail(
         "a network of signum neurons has no gradient to follow; train it by the perceptron rule, or choose sigmoid or "
@@ -43,29 +64,6 @@ void check_rows(const MatrixXd& X, const MatrixXd& Y) {
   if (X.rows() == 0 || X.cols() == 0 || Y.cols() == 0) fail("the data has no rows or no columns");
   if (X.rows() != Y.rows()) fail("the inputs have {} rows and the targets {}; they must agree", X.rows(), Y.rows());
   if (!X.allFinite() || !Y.allFinite()) fail("the data has numbers that are not finite; leave such rows out");
-}
-
-double score(const TrainingResult& result, bool validated) {
-  const double value = validated ? result.validation_sse : result.criterion;
-  return std::isfinite(value) ? value : infinite;
-}
-
-int best_of(const std::vector<TrainingResult>& results, bool validated) {
-  int best = 0;
-  for (int i = 1; i < static_cast<int>(results.size()); ++i) {
-    if (score(results[static_cast<std::size_t>(i)], validated) <
-        score(results[static_cast<std::size_t>(best)], validated))
-      best = i;
-  }
-  return best;
-}
-
-std::string line(const std::string& what, const TrainingResult& result, Index targets, const Training* validation) {
-  std::string text = fmt::format("{}: error {:.6g}", what, std::sqrt(result.sse / static_cast<double>(targets)));
-  if (validation != nullptr)
-    text += fmt::format(", validation {:.6g}",
-                        std::sqrt(result.validation_sse / static_cast<double>(validation->targets())));
-  return text + fmt::format(" after {} iterations; {}", result.iterations, result.stopped);
 }
 
 void warn(const Network& network, const MatrixXd& x, const TrainingResult& result, Index targets,
@@ -144,7 +142,7 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
   report.parameters = shape.parameters();
   report.seed = options.seed;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    report.tried.push_back(line(fmt::format("start {}", i + 1), results[i], training.targets(), check));
+    report.tried.push_back(line_of(fmt::format("start {}", i + 1), results[i], training.targets(), check));
     fit.errors.push_back(
         std::isfinite(results[i].sse) ? std::sqrt(results[i].sse / static_cast<double>(training.targets())) : infinite);
   }
@@ -167,10 +165,17 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
     });
     targets = task.simulations.back()->targets();
     for (std::size_t i = 0; i < refined.size(); ++i)
-      report.tried.push_back(line(fmt::format("start {}, simulated", order[i] + 1), refined[i], targets, check));
+      report.tried.push_back(line_of(fmt::format("start {}, simulated", order[i] + 1), refined[i], targets, check));
     results = std::move(refined);
   }
-  const int best = best_of(results, check != nullptr);
+  std::vector<int> by_score(results.size());
+  std::iota(by_score.begin(), by_score.end(), 0);
+  std::stable_sort(by_score.begin(), by_score.end(), [&](int a, int b) {
+    return score(results[static_cast<std::size_t>(a)], check != nullptr) <
+           score(results[static_cast<std::size_t>(b)], check != nullptr);
+  });
+  for (const int i : by_score) fit.ends.push_back(results[static_cast<std::size_t>(i)].theta);
+  const int best = by_score.front();
   fit.training = results[static_cast<std::size_t>(best)];
   if (!std::isfinite(score(fit.training, check != nullptr)))
     fail("no start led to a finite error; the data may be too large, or the simulated model unstable from the start");
@@ -259,6 +264,8 @@ std::vector<std::unique_ptr<SimulationTraining>> simulations_of(const Network& s
 NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, const DataSet& validation,
                         const MlpOptions& options, const FitControl& control) {
   check_options(options);
+  if (regressors.errors > 0 || options.nc > 0 || options.nd > 0)
+    return fit_with_noise(data, regressors, validation, options, control);
   const Regression rows = make_regression(data, regressors);
   check_rows(rows.X, rows.Y);
   const Network shape = shape_for(rows.X.cols(), rows.Y.cols(), options);
@@ -319,7 +326,7 @@ NarxMlpFit refine_narx_mlp(const DataSet& data, const RegressorSet& regressors, 
     fit.report.method = name_of(how.training.method) + ", through time";
     fit.report.samples = task.X.rows();
     fit.report.parameters = network.parameters();
-    fit.report.tried.push_back(line("the given model", fit.training, targets, check));
+    fit.report.tried.push_back(line_of("the given model", fit.training, targets, check));
     fit.report.reached = fit.training.sse / static_cast<double>(targets);
     fit.report.iterations = fit.training.iterations;
     fit.report.stopped = fit.training.stopped;

@@ -34,6 +34,10 @@ struct MlpOptions {
   // Lengths in samples of the free runs to train on, one after the other; 0, or no list: whole experiments. A run over
   // a short piece of the record, from measured outputs, forgives a model that is not yet good.
   std::vector<int> horizons;
+  // Orders of the linear filters of a noise model, C e = D (y - map). C alone makes a NARMAX model, as prediction
+  // errors among the regressors do; with `simulation` a filter makes an NBJ model. D stands beside a simulated map
+  // only.
+  int nc = 0, nd = 0;
 };
 
 struct MlpFit {
@@ -41,6 +45,8 @@ struct MlpFit {
   FitReport report;            // `reached`: mean square of the error of the normalised outputs
   std::vector<double> errors;  // of each start, the root of it; infinite where it led nowhere
   TrainingResult training;     // of the start that was kept
+  // Where the starts ended, or those that went on to simulation, best first.
+  std::vector<Eigen::VectorXd> ends;
 };
 
 // A static map. X: N x D, Y: N x outputs. With validation data the start with the least validation error is kept, and
@@ -52,6 +58,11 @@ MlpFit fit_mlp(const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y, const Eigen::
 
 // A NARX model (criterion of one step) or NOE model (of simulation), NFIR when the regressors have no outputs. With
 // simulation, validation is done by simulation too. `validation` may have no experiments.
+//
+// With a noise model (see MlpOptions::nc) that model without it comes first. Its `refined` best ends go on, the network
+// and the noise together, by the prediction error method of mlp/noise_training.h: with no noise model to begin with,
+// and beginning with the residuals of the first stage as known errors (extended least squares) or an AR model of them
+// as D.
 struct NarxMlpFit {
   NarxModel model;
   MlpFit map;

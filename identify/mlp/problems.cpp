@@ -6,50 +6,14 @@
 #include <limits>
 
 #include "identify/error.h"
+#include "identify/mlp/normal_sum.h"
 #include "identify/narx/regressor_row.h"
 
 namespace plantloop::identify {
-namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// Gradients of outputs are columns; J'J is added for a block of them at once.
-class NormalSum {
- public:
-  NormalSum(Index parameters, MatrixXd& R, VectorXd& g) : columns_(parameters, block), errors_(block), r_(R), g_(g) {
-    r_.setZero(parameters, parameters);
-    g_.setZero(parameters);
-  }
-  // Where the next gradient goes.
-  double* next() { return columns_.col(filled_).data(); }
-  void add(double error) {
-    errors_[filled_++] = error;
-    if (filled_ == block) flush();
-  }
-  void finish() {
-    flush();
-    r_.triangularView<Eigen::StrictlyUpper>() = r_.transpose();
-  }
-
- private:
-  static constexpr Index block = 192;
-  void flush() {
-    if (filled_ == 0) return;
-    const auto full = columns_.leftCols(filled_);
-    r_.selfadjointView<Eigen::Lower>().rankUpdate(full);
-    g_.noalias() += full * errors_.head(filled_);
-    filled_ = 0;
-  }
-  MatrixXd columns_;
-  VectorXd errors_;
-  MatrixXd& r_;
-  VectorXd& g_;
-  Index filled_ = 0;
-};
-
-}  // namespace
 
 StaticTraining::StaticTraining(Network shape, MatrixXd x, const MatrixXd& y)
     : network_(std::move(shape)), x_(x.transpose()), y_(y.transpose()) {}

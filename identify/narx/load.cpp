@@ -34,6 +34,10 @@ LoadedModel read(const std::string& path, const std::string& bytes) {
       model.map = model.narx.map;
     } else if (model.dynamic) {
       model.narx = read_narx(item);
+      if (model.narx.has_noise_model()) {
+        model.with_noise = std::make_shared<NarxModel>(model.narx);
+        model.narx = noise_free(model.narx);
+      }
       model.map = model.narx.map;
     } else {
       model.map = read_approximator(item);

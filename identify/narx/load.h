@@ -15,7 +15,9 @@ struct LoadedModel {
   std::string error;  // why it cannot be used; then the rest is empty
   std::shared_ptr<const Approximator> map;
   bool dynamic = false;  // has regressors, so that `narx` is set
-  NarxModel narx;
+  NarxModel narx;        // noise_free() when the file has a noise model
+  // The whole model when it has a noise model, else null.
+  std::shared_ptr<const NarxModel> with_noise;
   // Of a file with a linear model instead, of polynomials or of matrices; `map` is null then. Polynomials become the
   // observer companion form.
   std::shared_ptr<const StateSpaceModel> linear;

@@ -93,7 +93,7 @@ class ProductMap final : public Approximator {
 }  // namespace
 
 NarxModel to_narx(const RegressionModel& model) {
-  RegressorSet signals{model.regressors.inputs, model.regressors.outputs, {}};
+  RegressorSet signals{model.regressors.inputs, model.regressors.outputs, {}, 0};
   std::map<Factor, Index> places;
   std::vector<std::vector<Place>> products;
   std::vector<double> offset, scale;

@@ -33,12 +33,14 @@ void row_slopes(const RegressorSet& set, const MatrixXd& u, const MatrixXd& y, I
   for (std::size_t r = 0; r < set.list.size(); ++r) {
     const std::vector<Factor>& factors = set.list[r].factors;
     for (const Factor& by : factors) {
-      if (!by.of_output) continue;
+      const bool of_error = set.is_error(by);
+      if (!by.of_output && !of_error) continue;
       double value = by.power * power(value_of(by, u, y, k), by.power - 1);
       for (const Factor& other : factors) {
         if (&other != &by) value *= power(value_of(other, u, y, k), other.power);
       }
-      slopes.push_back({static_cast<Index>(r), by.channel, by.lag, value});
+      slopes.push_back(
+          {static_cast<Index>(r), of_error ? by.channel - set.data_inputs() : by.channel, by.lag, value, of_error});
     }
   }
 }

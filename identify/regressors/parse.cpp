@@ -123,6 +123,8 @@ class Parser {
       if (to < from) stop(lag_at, fmt::format("the range begins at {} and ends at {}", from, to));
     }
     if (base.of_output && from == 0) stop(lag_at, "an output is a regressor from k-1 on; at k it is what is predicted");
+    if (set_.is_error(base) && from == 0)
+      stop(lag_at, "a prediction error is a regressor from k-1 on; at k it is not known");
     expect(')', "')'");
     if (take('^')) {
       base.power = integer("a power from 1");
@@ -133,20 +135,42 @@ class Parser {
     return list;
   }
 
-  Factor signal(const std::string& name, std::size_t at) const {
+  // Of `u` where there is one, of `u2` where there are two or more; 0: the name is none.
+  static long number_of(const std::string& name, char letter, long count) {
+    if (name[0] != letter) return 0;
+    if (name.size() == 1) return count == 1 ? 1 : 0;
+    const std::optional<long> number = parse_integer(std::string_view(name).substr(1));
+    return number && *number >= 1 && *number <= count ? *number : 0;
+  }
+
+  void add_errors(std::size_t at) {
+    if (set_.errors > 0) return;
+    for (std::size_t i = 0; i < set_.outputs.size(); ++i) {
+      std::string name = set_.outputs.size() == 1 ? "e" : fmt::format("e{}", i + 1);
+      for (const std::vector<std::string>* taken : {&set_.inputs, &set_.outputs}) {
+        if (std::find(taken->begin(), taken->end(), name) != taken->end())
+          stop(at, fmt::format("a signal of the data is named '{}', so it cannot be a prediction error", name));
+      }
+      set_.inputs.push_back(std::move(name));
+    }
+    set_.errors = static_cast<int>(set_.outputs.size());
+  }
+
+  Factor signal(const std::string& name, std::size_t at) {
     for (const bool of_output : {true, false}) {
       const std::vector<std::string>& names = of_output ? set_.outputs : set_.inputs;
       const auto named = std::find(names.begin(), names.end(), name);
       if (named != names.end()) return {of_output, static_cast<int>(named - names.begin()), 0, 1};
     }
     for (const bool of_output : {true, false}) {
-      const std::vector<std::string>& names = of_output ? set_.outputs : set_.inputs;
-      if (name[0] != (of_output ? 'y' : 'u')) continue;
-      if (name.size() == 1 && names.size() == 1) return {of_output, 0, 0, 1};
-      const std::optional<long> number = parse_integer(std::string_view(name).substr(1));
-      if (number && *number >= 1 && *number <= static_cast<long>(names.size())) {
-        return {of_output, static_cast<int>(*number - 1), 0, 1};
-      }
+      const auto count = of_output ? static_cast<long>(set_.outputs.size()) : set_.data_inputs();
+      const long number = number_of(name, of_output ? 'y' : 'u', count);
+      if (number > 0) return {of_output, static_cast<int>(number - 1), 0, 1};
+    }
+    const long error = number_of(name, 'e', static_cast<long>(set_.outputs.size()));
+    if (error > 0) {
+      add_errors(at);
+      return {false, set_.data_inputs() + static_cast<int>(error - 1), 0, 1};
     }
     std::vector<std::string> known = set_.outputs;
     known.insert(known.end(), set_.inputs.begin(), set_.inputs.end());
@@ -194,7 +218,7 @@ void extend(const RegressorSet& set, std::size_t from, int degree, const Regress
 
 RegressorSet parse_regressors(std::string_view text, std::vector<std::string> inputs,
                               std::vector<std::string> outputs) {
-  RegressorSet set{std::move(inputs), std::move(outputs), {}};
+  RegressorSet set{std::move(inputs), std::move(outputs), {}, 0};
   Parser(text, set).read();
   return set;
 }
@@ -227,7 +251,7 @@ RegressorSet polynomial(const RegressorSet& set, int degree, bool constant) {
       fail("a polynomial is made of single signals, as in 'y(k-1), u(k-1)', not of {}", to_text(r, set));
     }
   }
-  RegressorSet result{set.inputs, set.outputs, {}};
+  RegressorSet result{set.inputs, set.outputs, {}, set.errors};
   if (constant) result.list.emplace_back();
   for (int d = 1; d <= degree; ++d) extend(set, 0, d, {}, result.list);
   return result;

@@ -56,6 +56,9 @@ Eigen::VectorXd row_at(const RegressorSet& set, const MatrixXd& u, const MatrixX
 Regression make_regression(const DataSet& data, const RegressorSet& set, Index first) {
   check(data);
   if (set.list.empty()) fail("there are no regressors");
+  if (set.errors > 0)
+    fail("'{}' stands for prediction errors; only an mlp is trained with them, as structure NARMAX",
+         set.inputs[static_cast<std::size_t>(set.data_inputs())]);
   if (set.inputs.size() != data.inputs.size() || set.outputs.size() != data.outputs.size()) {
     fail("the regressors are of {} inputs and {} outputs, the data have {} and {}", set.inputs.size(),
          set.outputs.size(), data.inputs.size(), data.outputs.size());

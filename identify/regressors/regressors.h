@@ -31,15 +31,21 @@ struct Regressor {
 struct RegressorSet {
   std::vector<std::string> inputs, outputs;
   std::vector<Regressor> list;
+  // The last ones of `inputs`, one for each output, are no signals of the data but prediction errors e = y - yhat, which
+  // a model with a noise model makes itself; 0: there are none.
+  int errors = 0;
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(list.size()); }
   int longest_lag() const;  // samples that must have passed before the first row
   bool uses_outputs() const;
+  int data_inputs() const { return static_cast<int>(inputs.size()) - errors; }
+  bool is_error(const Factor& factor) const { return !factor.of_output && factor.channel >= data_inputs(); }
 };
 
 // Reads a list. A name is a signal's, or y, u (of the only one), y1, u2 ... (by number). `y(k-1..3)` stands for three
-// regressors, `u(k..2)` for lags 0 to 2; a product of ranges for all products; `1` for the constant. Raises
-// IdentifyError with the place in the text: unknown names, outputs at lag 0, regressors written twice.
+// regressors, `u(k..2)` for lags 0 to 2; a product of ranges for all products; `1` for the constant. `e(k-1)`, or
+// `e2(k-1)` of output 2, are prediction errors where no signal has that name. Raises IdentifyError with the place in
+// the text: unknown names, outputs and errors at lag 0, regressors written twice.
 RegressorSet parse_regressors(std::string_view text, const DataSet& data);
 RegressorSet parse_regressors(std::string_view text, std::vector<std::string> inputs, std::vector<std::string> outputs);
 

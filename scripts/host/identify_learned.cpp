@@ -39,11 +39,35 @@ void push_outputs(lua_State* L, const identify::Outputs& parts) {
   push_columns(L, all);
 }
 
+// What the name of a structure asks for, against what the regressors and orders give.
+void check_structure(const Options& o, const RegressorSet& set, identify::MlpOptions& m) {
+  if (!o.has("structure")) return;
+  const std::string structure = o.text("structure");
+  const bool noise = set.errors > 0 || m.nc > 0 || m.nd > 0;
+  if (structure == "NOE" || structure == "NBJ") {
+    m.simulation = true;
+  } else if (structure != "NFIR" && structure != "NARX" && structure != "NARMAX") {
+    o.wrong("structure", "NFIR, NARX, NOE, NARMAX or NBJ");
+  } else if (m.simulation && structure == "NARMAX") {
+    throw ScriptError("NARMAX is fitted to prediction errors; the structure for 'simulation' with noise is NBJ");
+  }
+  if ((structure == "NARMAX" || structure == "NBJ") && !noise)
+    throw ScriptError(structure == "NBJ" ? "NBJ needs an order of its noise filter, as in nc = 1, nd = 1"
+                                         : "NARMAX needs a noise model: regressors such as e(k-1), or nc = 1");
+  if (structure != "NARMAX" && structure != "NBJ" && noise)
+    throw ScriptError(
+        fmt::format("{} has no noise model, but there are prediction errors e(k-1) or orders nc, nd", structure));
+  if (structure == "NFIR" && set.uses_outputs()) throw ScriptError("NFIR has no regressors of outputs");
+  if (structure != "NFIR" && !set.uses_outputs())
+    throw ScriptError(fmt::format("{} has past outputs among its regressors, as y(k-1)", structure));
+}
+
 int mlp(lua_State* L) {
   const DataSet& data = data_argument(L, 1);
-  const Options o(L, 2, "the options of mlp",
-                  {"regressors", "hidden", "activation", "method", "starts", "iterations", "decay", "simulation",
-                   "validation", "patience", "spread", "seed", "direct", "refined", "horizons", "one_step_iterations"});
+  const Options o(
+      L, 2, "the options of mlp",
+      {"regressors", "hidden", "activation", "method", "starts", "iterations", "decay", "simulation", "validation",
+       "patience", "spread", "seed", "direct", "refined", "horizons", "one_step_iterations", "structure", "nc", "nd"});
   identify::MlpOptions m;
   if (o.has("hidden")) m.hidden = integers(L, o, "hidden");
   if (o.has("activation")) m.activation = identify::find_activation(o.text("activation"));
@@ -59,10 +83,14 @@ int mlp(lua_State* L) {
   m.one_step_iterations = integer(o, "one_step_iterations", 0);
   if (o.has("horizons")) m.horizons = integers(L, o, "horizons");
   m.seed = seed_of(o);
+  m.nc = integer(o, "nc", 0);
+  m.nd = integer(o, "nd", 0);
+  const RegressorSet set = regressors_of(o, data);
+  check_structure(o, set, m);
   DataSet none;
   const DataSet* validation = &none;
   if (o.push("validation")) validation = &data_argument(L, -1);
-  push_learned_model(L, identify::fit_narx_mlp(data, regressors_of(o, data), *validation, m, control_of(L)).model);
+  push_learned_model(L, identify::fit_narx_mlp(data, set, *validation, m, control_of(L)).model);
   return 1;
 }
 
@@ -177,6 +205,9 @@ int prune(lua_State* L) {
   const Options o(L, 3, "the options of prune", {"test", "decay", "iterations", "least"});
   const auto* map = dynamic_cast<const identify::Mlp*>(model.map.get());
   if (map == nullptr) throw ScriptError(fmt::format("only an mlp can be pruned, this is a {}", model.map->type()));
+  if (model.has_noise_model())
+    throw ScriptError(fmt::format("a network with a noise model ({}) is not pruned; prune the NARX model",
+                                  identify::structure_name(model)));
   identify::PruneOptions p;
   p.decay = o.number("decay").value_or(0);
   p.iterations = integer(o, "iterations", p.iterations);
@@ -196,6 +227,11 @@ int fit_free_run(lua_State* L) {
   const auto* map = dynamic_cast<const identify::Mlp*>(model.map.get());
   if (map == nullptr)
     throw ScriptError(fmt::format("only an mlp is fitted to its free run, this is a {}", model.map->type()));
+  if (model.has_noise_model())
+    throw ScriptError(
+        fmt::format("a network with a noise model ({}) is fitted to its prediction errors, not to its "
+                    "free run alone",
+                    identify::structure_name(model)));
   identify::MlpOptions m;
   m.simulation = true;
   m.training.iterations = integer(o, "iterations", 100);
@@ -241,11 +277,28 @@ Eigen::VectorXd weights_of(const NarxModel& model) {
   return Eigen::VectorXd::Map(weights.data(), static_cast<Index>(weights.size()));
 }
 
+Eigen::VectorXd joined(const std::vector<Eigen::VectorXd>& list) {
+  Index size = 0;
+  for (const Eigen::VectorXd& each : list) size += each.size();
+  Eigen::VectorXd all(size);
+  size = 0;
+  for (const Eigen::VectorXd& each : list) {
+    all.segment(size, each.size()) = each;
+    size += each.size();
+  }
+  return all;
+}
+
 const std::vector<Field<NarxModel>>& fields() {
   using M = NarxModel;
   static const std::vector<Field<M>> list{
       {"type", "string", "mlp, rbf_network, local_model_network, gaussian_process",
        [](lua_State* L, const M& m) { push_text(L, m.map->type()); }},
+      {"structure", "string", "NFIR, NARX (NOE too), NARMAX or NBJ",
+       [](lua_State* L, const M& m) { push_text(L, identify::structure_name(m)); }},
+      {"C", "pl.Vector", "of a linear noise filter C e = D (y - map): C of each output one after the other, else empty",
+       [](lua_State* L, const M& m) { push_numbers(L, joined(m.noise.C)); }},
+      {"D", "pl.Vector", "the same of D", [](lua_State* L, const M& m) { push_numbers(L, joined(m.noise.D)); }},
       {"names", "string[]", "the regressors",
        [](lua_State* L, const M& m) {
          std::vector<std::string> names;
@@ -285,12 +338,14 @@ Entries identify_learned_functions() {
        "data: pl.DataSet, options: {regressors: string, hidden?: integer|integer[], activation?: string, method?: "
        "string, starts?: integer, iterations?: integer, decay?: number, simulation?: boolean, validation?: pl.DataSet, "
        "patience?: integer, spread?: number, seed?: integer, direct?: boolean, refined?: integer, horizons?: "
-       "integer|integer[], one_step_iterations?: integer}",
+       "integer|integer[], one_step_iterations?: integer, structure?: "
+       "\"NFIR\"|\"NARX\"|\"NOE\"|\"NARMAX\"|\"NBJ\", nc?: integer, nd?: integer}",
        "pl.LearnedModel",
        "a multilayer perceptron from many starts; simulation: trained through time for the error of the free run; "
        "validation: each start ends where its error there is least; direct: from the inputs to the outputs too, "
        "beginning with the linear model; horizons: samples of the free runs, one training after the other, 0 the whole "
-       "record"},
+       "record; structure: NARMAX has prediction errors, e(k-1), among its regressors or a filter C of order nc, NBJ a "
+       "simulated map and C e = D (y - map)"},
       {"rbf_network", guarded<rbf_network>,
        "data: pl.DataSet, options: {regressors: string, function?: string, centres?: \"ols\"|\"box\"|\"spread\", "
        "functions?: integer, width?: number, constant?: boolean, ridge?: number, tolerance?: number, optimise?: "

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "identify/gp/gp_map.h"
+#include "identify/mlp/network.h"
 #include "identify/model_file/model_file.h"
 #include "identify/narx/load.h"
 #include "identify/narx/regression_narx.h"
@@ -54,6 +55,55 @@ TEST(Narx, GivesTheNumbersOfTheLibraryBitForBit) {
   begun.experiments[0].y(0, 0) = run_free[0];
   const Eigen::MatrixXd free = identify::free_run(model->narx, begun)[0];
   for (std::size_t k = 1; k < found.size(); ++k) EXPECT_EQ(run_free[k], free(static_cast<Eigen::Index>(k), 0));
+}
+
+// One step with errors of past predictions, from a past of zeros; free runs know no errors.
+TEST(Narx, RunsNoiseModelsAsTheLibraryDoes) {
+  using namespace identify;
+  DataSet channels;
+  channels.Ts = 0.5;
+  channels.inputs = {{"u", ""}};
+  channels.outputs = {{"y", ""}};
+  const auto model = [&](const char* regressors, bool simulated, NoiseFilters noise) {
+    const RegressorSet set = parse_regressors(regressors, channels);
+    Network net = make_network(static_cast<int>(set.size()), {2}, 1, Activation::tanh);
+    Random random(3);
+    randomise(net, 0.5, random);
+    NarxModel m = make_narx(std::make_shared<Mlp>(net, no_scaling(set.size()), no_scaling(1)), set, channels);
+    m.simulated = simulated;
+    m.noise = std::move(noise);
+    return m;
+  };
+  const Eigen::VectorXd c = Eigen::Vector3d(1, 0.5, -0.1), d = Eigen::Vector2d(1, -0.6), one = Eigen::VectorXd::Ones(1);
+  int number = 0;
+  for (const NarxModel& m : {model("y(k-1..2), u(k-1), e(k-1)*y(k-1), e(k-2)", false, {}),
+                             model("y(k-1), u(k-1)", false, {{c}, {one}}), model("y(k-1), u(k-2)", true, {{c}, {d}})}) {
+    const std::string name = place("noise" + std::to_string(++number) + ".yaml");
+    std::ofstream(name) << to_yaml(m);
+    const std::string file = "model: " + name;
+    const Signals r = run(system + "  one: {type: narx, mode: one_step, in: {u: u, y: y}, " + file + "}\n" +
+                          "  free: {type: narx, in: {u: u}, " + file + "}\n" +
+                          "simulation: {stop: 50}\nrecord: [u, y, one.y, free.y]\n");
+    // Rows of zeros before the record are the past that the block has.
+    DataSet data = data_of(r);
+    const Eigen::Index first = m.regressors.longest_lag(), n = data.samples();
+    Experiment& e = data.experiments[0];
+    for (Eigen::MatrixXd* signal : {&e.u, &e.y}) {
+      Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(n + first, 1);
+      padded.bottomRows(n) = *signal;
+      *signal = padded;
+    }
+    const Eigen::MatrixXd predicted = one_step(m, data)[0], free = free_run(m, data)[0];
+    const std::vector<double> one_y = r.samples("one.y"), free_y = r.samples("free.y");
+    ASSERT_EQ(static_cast<Eigen::Index>(one_y.size()), n);
+    double noise = 0;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      EXPECT_EQ(one_y[static_cast<std::size_t>(k)], predicted(first + k, 0)) << number << " " << k;
+      EXPECT_EQ(free_y[static_cast<std::size_t>(k)], free(first + k, 0)) << number << " " << k;
+      noise = std::max(noise, std::fabs(predicted(first + k, 0) - free(first + k, 0)));
+    }
+    EXPECT_GT(noise, 0.01);
+  }
 }
 
 TEST(Narx, StartsFromGivenOutputsAndInputs) {

@@ -94,6 +94,42 @@ TEST_F(Identification, TrainsNetworksOnThroughTime) {
             "true\ttrue");
 }
 
+TEST_F(Identification, FitsModelsOfTheNoise) {
+  const std::string plant =
+      "local v = identify.white_noise{samples = #y, deviation = 0.1, seed = 3}\n"
+      "local z = pl.zeros(#y)\n"
+      "for k = 2, #y do z[k] = 0.7*z[k - 1] + 0.5*u[k - 1] + v[k] + 0.6*v[k - 1] end\n"
+      "local d = identify.data{u = u, y = z, Ts = 0.1}\n";
+  EXPECT_EQ(
+      with_data(plant +
+                "local how = {regressors = 'y(k-1), u(k-1), e(k-1)', structure = 'NARMAX', hidden = 2, starts = 2,"
+                " iterations = 60}\n"
+                "local a = identify.mlp(d, how)\n"
+                "local b = identify.mlp(d, {regressors = 'y(k-1), u(k-1)', structure = 'NBJ', nc = 1, nd = 1,\n"
+                "                           hidden = 2, starts = 2, iterations = 60})\n"
+                "print(a.structure, #a.C, b.structure, #b.C, #b.D)\n"
+                "a:save 'narmax.yaml'\n"
+                "print(identify.load('narmax.yaml'):simulate(d) == a:simulate(d))"),
+      "NARMAX\t0\tNBJ\t2\t2\ntrue");
+  const auto refused = [&](const std::string& asked) {
+    return complaint(
+        "local d = pl.identify.data{u = pl.linspace(0, 1, 20), y = pl.linspace(0, 1, 20)^2, Ts = 1}\n"
+        "pl.identify.mlp(d, {" +
+        asked + "})");
+  };
+  EXPECT_THAT(refused("regressors = 'y(k-1)', structure = 'NARMAX'"),
+              HasSubstr("NARMAX needs a noise model: regressors such as e(k-1), or nc = 1"));
+  EXPECT_THAT(refused("regressors = 'y(k-1)', structure = 'NBJ'"),
+              HasSubstr("NBJ needs an order of its noise filter, as in nc = 1, nd = 1"));
+  EXPECT_THAT(refused("regressors = 'y(k-1), e(k-1)', structure = 'NARX'"),
+              HasSubstr("NARX has no noise model, but there are prediction errors e(k-1) or orders nc, nd"));
+  EXPECT_THAT(refused("regressors = 'y(k-1), u(k)', structure = 'NFIR'"),
+              HasSubstr("NFIR has no regressors of outputs"));
+  EXPECT_THAT(refused("regressors = 'u(k)', structure = 'NOE'"),
+              HasSubstr("NOE has past outputs among its regressors, as y(k-1)"));
+  EXPECT_THAT(refused("regressors = 'u(k)', structure = 'ARX'"), HasSubstr("NFIR, NARX, NOE, NARMAX or NBJ"));
+}
+
 TEST_F(Identification, TellsTheWeightsOfANetworkAsAFigureTakesThem) {
   EXPECT_EQ(with_data("local m = identify.mlp(data, {regressors = 'level(k-1), u(k-1)', hidden = 3, starts = 1})\n"
                       "print(m.layers:table()[1], m.layers:table()[2], m.layers:table()[3], #m.weights)\n"
