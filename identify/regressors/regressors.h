@@ -31,8 +31,8 @@ struct Regressor {
 struct RegressorSet {
   std::vector<std::string> inputs, outputs;
   std::vector<Regressor> list;
-  // The last ones of `inputs`, one for each output, are no signals of the data but prediction errors e = y - yhat, which
-  // a model with a noise model makes itself; 0: there are none.
+  // The last ones of `inputs`, one for each output, are no signals of the data but prediction errors e = y - yhat,
+  // which a model with a noise model makes itself; 0: there are none.
   int errors = 0;
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(list.size()); }
