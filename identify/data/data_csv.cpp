@@ -140,17 +140,54 @@ class Reader {
     return wanted_.Ts ? *wanted_.Ts : *parse_number(fmt::format("{:.10g}", Ts));
   }
 
+  // How far a time may be from where it belongs: what six digits round away, as far as no lost sample hides in it.
+  static double slack(double time, double Ts) {
+    if (time == 0) return 0.05 * Ts;
+    const double rounding = 0.5 * std::pow(10, std::floor(std::log10(std::fabs(time))) - 5);
+    return 0.05 * Ts + std::min(0.4 * Ts, rounding);
+  }
+
   void check_steps(std::size_t begin, std::size_t count, double Ts) const {
-    for (std::size_t i = 1; i < count; ++i) {
-      const double step = at(roles_.time, begin + i) - at(roles_.time, begin + i - 1);
-      const double off = at(roles_.time, begin + i) - at(roles_.time, begin) - static_cast<double>(i) * Ts;
-      if (std::isfinite(step) && step > 0 && std::fabs(step - Ts) <= 0.05 * Ts && std::fabs(off) <= 0.05 * Ts) continue;
-      fail(
-          "{}: time goes from {} s to {} s at row {}, but the mean step is {:.6g} s; the times of an experiment must "
-          "be evenly spaced: leave cells of missing samples empty, and number the experiments in a column "
-          "'experiment'",
-          file_, at(roles_.time, begin + i - 1), at(roles_.time, begin + i), begin + i + 1, Ts);
+    const auto time = [&](std::size_t i) { return at(roles_.time, begin + i); };
+    // The straight line through all times: the first and the last one are rounded too.
+    double offset = 0, moment = 0, squares = 0;
+    const double middle = 0.5 * static_cast<double>(count - 1);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double from_middle = static_cast<double>(i) - middle,
+                   late = time(i) - time(0) - static_cast<double>(i) * Ts;
+      offset += late / static_cast<double>(count);
+      moment += from_middle * late;
+      squares += from_middle * from_middle;
     }
+    const auto line = [&](std::size_t i) {
+      const double index = static_cast<double>(i);
+      return time(0) + index * Ts + offset + moment / squares * (index - middle);
+    };
+    const auto is_off = [&](std::size_t i) {
+      const double step = time(i) - time(i - 1);
+      return !(std::isfinite(step) && step > 0 && std::fabs(step - Ts) <= 2 * slack(time(i), Ts) &&
+               std::fabs(time(i) - line(i)) <= slack(time(i), Ts));
+    };
+    std::size_t bad = 1;
+    while (bad < count && !is_off(bad)) ++bad;
+    if (bad == count) return;
+    // One gap moves the mean; the row to show is the first whose step is not like most.
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < count; ++i) steps.push_back(time(i) - time(i - 1));
+    std::vector<double> sorted = steps;
+    const auto by_size = [](double a, double b) { return std::isnan(b) ? !std::isnan(a) : a < b; };
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end(),
+                     by_size);
+    const double usual = sorted[sorted.size() / 2];
+    for (std::size_t i = 1; i < count; ++i) {
+      if (std::fabs(steps[i - 1] - usual) <= 0.3 * std::fabs(usual) && steps[i - 1] > 0) continue;
+      bad = i;
+      break;
+    }
+    fail(
+        "{}: time goes from {} s to {} s at row {}, but most steps are {:.6g} s; the times of an experiment must "
+        "grow evenly: leave cells of missing samples empty, and number the experiments in a column 'experiment'",
+        file_, time(bad - 1), time(bad), bad + 1, usual);
   }
 
   const CsvTable& table_;

@@ -104,7 +104,7 @@ class Sum final : public Composite {
     return known ? total : Matrix();
   }
   // The products of two parts have a closed form when one of them is affine in x, l_j(x) = l_j(mu) + b_j'(x - mu):
-  //   E k_i l_j = E k_i l_j(mu) + cov(x, k_i)'b_j,  cov(x, k_i) = S g_i.
+  //   cov(k_i, l_j) = cov(x, k_i)'b_j,  cov(x, k_i) = S g_i.
   bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
                KernelMoments& result) const override {
     std::vector<KernelMoments> own(parts_.size());
@@ -118,11 +118,11 @@ class Sum final : public Composite {
     result = own[0];
     for (std::size_t i = 1; i < own.size(); ++i) {
       // `result` holds the sum of the parts before.
-      const Matrix mixed = result.q * own[i].q.transpose() + result.g * s * own[i].g.transpose();
+      const Matrix mixed = result.g * s * own[i].g.transpose();
       result.q += own[i].q;
       result.g += own[i].g;
       result.k += own[i].k;
-      result.Q += own[i].Q + mixed + mixed.transpose();
+      result.C += own[i].C + mixed + mixed.transpose();
     }
     return true;
   }

@@ -17,7 +17,7 @@ namespace plantloop::identify {
 // Expectations over x ~ N(mu, S) that moment matching needs; see propagate.h.
 struct KernelMoments {
   Eigen::VectorXd q;  // E k(x, x_i)
-  Eigen::MatrixXd Q;  // E k(x, x_i) k(x, x_j)
+  Eigen::MatrixXd C;  // cov(k(x, x_i), k(x, x_j)): what E k k' exceeds q q' by, to its own rounding
   Eigen::MatrixXd g;  // E dk(x, x_i)/dx, one row for each i: N x D; cov(x, k(x, x_i)) is S g_i
   double k = 0;       // E k(x, x)
 };

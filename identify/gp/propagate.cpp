@@ -4,13 +4,44 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "identify/dense/dense.h"
 #include "identify/error.h"
 
 namespace plantloop::identify {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+namespace {
+
+// C = G G' + rest by Cholesky's method with pivots, until the rest is rounding or G has `most` columns; C becomes the
+// rest, or 0 where that is rounding, which K^-1 would make large.
+MatrixXd take_apart(MatrixXd& C, Index most) {
+  const Index n = C.rows();
+  VectorXd left = C.diagonal();
+  const double enough = 2e-15 * left.maxCoeff();
+  MatrixXd G(n, most);
+  Index columns = 0;
+  for (Index pivot = 0; columns < most && left.maxCoeff(&pivot) > enough; ++columns) {
+    G.col(columns) =
+        (C.col(pivot) - G.leftCols(columns) * G.row(pivot).head(columns).transpose()) / std::sqrt(left[pivot]);
+    left -= G.col(columns).cwiseAbs2();
+    left[pivot] = 0;
+  }
+  G.conservativeResize(n, columns);
+  if (columns < most || most == n) {
+    C.setZero();
+  } else {
+    C.noalias() -= G * G.transpose();
+  }
+  return G;
+}
+
+}  // namespace
 
 Propagation find_propagation(const std::string& name) {
   if (name == "naive") return Propagation::naive;
@@ -29,6 +60,11 @@ Propagator::Propagator(const GaussianProcess& model, Propagation method) : model
         fmt::format("moment matching has a closed form for se_ard, linear and se_ard + linear only, not for '{}'; "
                     "first_order works with every covariance",
                     model.covariance().name()));
+  whitened_ = model.factor().triangularView<Eigen::Lower>().transpose() * model.alpha();
+  // Columns cost as much as the matrix itself where there are some hundred points: then a few must do.
+  const double points = model.size();
+  rank_ =
+      std::min<Eigen::Index>(model.size(), std::max<Eigen::Index>(8, static_cast<Eigen::Index>(4e6 / points / points)));
   spread_ = model.factor();
   invert_factored(spread_);
   mirror_lower(spread_);
@@ -54,10 +90,14 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
   model_.covariance().moments(model_.hyperparameters().theta, model_.x(), point.mean, point.covariance, moments);
   const VectorXd& beta = model_.alpha();
   UncertainPrediction result;
-  const double m = beta.dot(moments.q);
-  result.mean = m;
+  VectorXd q = moments.q;
+  solve_lower(model_.factor(), q);
+  result.mean = whitened_.dot(q);
   result.slope = moments.g.transpose() * beta;
-  result.variance = moments.k + (spread_.array() * moments.Q.array()).sum() - m * m;
+  MatrixXd G = take_apart(moments.C, rank_);
+  solve_lower(model_.factor(), G);
+  result.variance = moments.k - q.squaredNorm() + (G.transpose() * whitened_).squaredNorm() - G.squaredNorm();
+  result.variance += (spread_.array() * moments.C.array()).sum();
   // The mean function is affine in x and adds its own part, and its product with the rest.
   const VectorXd& b = model_.mean_coefficients();
   if (b.size() > 0) result.mean += b[0];

@@ -34,8 +34,9 @@ class Propagator {
 
   // naive: S is ignored. first_order: mean m(mu), variance var(mu) + m'(mu)' S m'(mu), slope m'(mu).
   // moment_matching: the exact mean and variance of the mixture over x:
-  //   m = beta' q,  variance = E k(x, x) + tr((beta beta' - K^-1) Q) - m^2,  beta = K^-1 y,
-  // with q = E k(x, X) and Q = E k(X, x) k(x, X) from Covariance::moments.
+  //   m = beta' q,  variance = E k(x, x) - q' K^-1 q + tr((beta beta' - K^-1) C),  beta = K^-1 y,
+  // with q = E k(x, X) and C = cov k(X, x) from Covariance::moments. With little noise beta and K^-1 are large, so C is
+  // taken apart, C = G G', and the sum is |G' beta|^2 - |L^-1 G|^2 with the factor L of K.
   UncertainPrediction predict(const UncertainPoint& point) const;
 
  private:
@@ -44,7 +45,9 @@ class Propagator {
 
   const GaussianProcess& model_;
   Propagation method_;
-  Eigen::MatrixXd spread_;  // beta beta' - K^-1
+  Eigen::VectorXd whitened_;  // L' beta = L^-1 y
+  Eigen::Index rank_ = 0;     // columns of G, at most
+  Eigen::MatrixXd spread_;    // beta beta' - K^-1, for what is left of C
 };
 
 }  // namespace plantloop::identify

@@ -9,6 +9,8 @@
 -- from the first measured samples, is written to out/NAME-OUTPUT-test.csv.
 --
 --   test=FILE.csv  says the same as a second file
+--   Ts=0.1       s between samples, for files without times
+--   inputs=flow,valve outputs=level   the columns, where they are not called u... and y...
 --   train=0.5    only the first half of each record in DATA.csv is used; the rest is the test
 --   train=5000   only the first 5000 samples are used
 --   skip=20      so many samples at the beginning of each record are not scored
@@ -21,14 +23,19 @@
 local pl = require "plantloop"
 local identify = pl.identify
 
-local files, options, given_name = {}, {effort = 1, train = 1, skip = 20, seed = 1}, nil
+local files, options, columns, given_name = {}, {effort = 1, train = 1, skip = 20, seed = 1}, {}, nil
 for _, word in ipairs(arg) do
   local key, value = word:match("^(%w+)=(.+)$")
   if key == "test" and value:match("%.csv$") then
     files[2] = value
+  elseif key == "inputs" or key == "outputs" then
+    columns[key] = {}
+    for column in value:gmatch("[^,]+") do table.insert(columns[key], column) end
+  elseif key == "Ts" and tonumber(value) then
+    columns.Ts = tonumber(value)
   elseif key then
     if not options[key] or not tonumber(value) then
-      error(("'%s' is no option; there are effort=, train=, skip= and seed= with a number, and test= with a CSV file"):format(word), 0)
+      error(("'%s' is no option; there are effort=, train=, skip=, seed= and Ts= with a number, test= with a CSV file, inputs= and outputs= with names of columns"):format(word), 0)
     end
     options[key] = tonumber(value)
   elseif word:match("%.csv$") then
@@ -49,7 +56,38 @@ local function made_up()
   return identify.data{u = u, y = y + noise, Ts = 1, inputs = {"u_inflow"}, outputs = {"y_level"}}
 end
 
+-- What cannot be identified ends with the reason alone.
+local function read(path)
+  local ok, data = pcall(identify.read, path, columns)
+  if ok then return data end
+  local reason = tostring(data):gsub("\n.*", ""):gsub("^[^\n]-%.lua:%d+: ", "")
+  if reason:find("no column 'time'", 1, true) then reason = reason .. ", as in Ts=0.1" end
+  if reason:find("say which columns", 1, true) then reason = reason .. ", as in inputs=flow,valve outputs=level" end
+  error(reason, 0)
+end
+
+-- Of each experiment the part in which everything is measured from its first sample to its last, gaps inside filled.
 local function filled(data)
+  if data.missing == 0 then return data end
+  local parts, cut_off = {}, 0
+  for i = 1, data.experiments do
+    local e = data:experiment(i)
+    local first, last = 1, e.samples
+    for _, names in ipairs{e.inputs, e.outputs} do
+      for _, label in ipairs(names) do
+        local x, from, to = e:column(label), 1, e.samples
+        while from <= to and x[from] ~= x[from] do from = from + 1 end
+        while to > from and x[to] ~= x[to] do to = to - 1 end
+        if from > to then error(("'%s' has no values in experiment %d: leave the column out, or the experiment"):format(label, i), 0) end
+        first, last = math.max(first, from), math.min(last, to)
+      end
+    end
+    if last > first then parts[#parts + 1] = e:part(first, last) end
+    cut_off = cut_off + e.samples - math.max(0, last - first + 1)
+  end
+  if #parts == 0 then error("no part of the record has values of all its signals", 0) end
+  if cut_off > 0 then print(("  %d samples at the ends of the record, where a signal has no values yet or any more, are left out"):format(cut_off)) end
+  data = #parts == 1 and parts[1] or identify.join(table.unpack(parts))
   if data.missing == 0 then return data end
   print(("  %d missing values inside of the record are filled with straight lines"):format(data.missing))
   return data:fill("line")
@@ -57,12 +95,12 @@ end
 
 local name = given_name or (files[1] and files[1]:match("([^/]+)%.csv$")) or "tank"
 if not files[1] then effort = math.min(effort, 0.02) end
-local all = files[1] and identify.read(files[1]) or made_up()
+local all = files[1] and read(files[1]) or made_up()
 print("The data")
 for _, line in ipairs(all:advice()) do print("  " .. line) end
 all = filled(all)
 local test
-if files[2] then test = filled(identify.read(files[2])) end
+if files[2] then test = filled(read(files[2])) end
 if options.train ~= 1 then
   local share = options.train < 1 and options.train or options.train / all.samples
   if not (share > 0 and share < 1) then
@@ -161,6 +199,12 @@ end
 local function identify_output(output)
   local parts = experiments_of(all, output)
   local data, label, inputs = joined(parts), all.outputs[output], #all.inputs
+  local least_value, greatest_value = pl.min(data.y), pl.max(data.y)
+  if data.samples < 100 then error(("'%s' has %d samples; a search of structures that holds some of them back needs 100"):format(label, data.samples), 0) end
+  if not (greatest_value - least_value > 1e-12 * math.max(math.abs(least_value), math.abs(greatest_value))) then
+    print(("\n'%s' stays at %.6g: there is nothing to identify, its model is that number"):format(label, least_value))
+    return nil
+  end
   -- Structures of long records are searched on pieces of them; the winner is fitted to everything.
   local most = math.floor(6000 * math.max(0.5, math.min(effort, 4)))
   local searched = parts
@@ -170,7 +214,6 @@ local function identify_output(output)
   end
   local samples = joined(searched).samples
   local splits = splits_of(searched, samples)
-  if samples < 100 then error(("%s: %d samples are too few for a search of structures"):format(label, samples), 0) end
   print(("\n%s: %d samples, structures are searched on %d of them in %d split%s of train and held-back blocks"):format(label, data.samples,
     samples, #splits, #splits > 1 and "s" or ""))
 
@@ -377,6 +420,23 @@ local function identify_output(output)
         try_polynomial(top.ny, top.nu + 2, top.d, degree)
         if top.d > -1 then try_polynomial(top.ny, top.nu + 1, top.d - 1, degree) end
       end
+    end
+  end
+
+  -- What cannot be seen in a few outputs, as the sign of a speed that is measured without it, is in a long past of the
+  -- inputs.
+  if inputs == 1 then
+    local least
+    for _, nu in ipairs{8, 12, 18} do
+      for ny = 1, 2 do
+        if #data.y > 12 * nu then
+          try_polynomial(ny, nu, delay, 2)
+          local c = candidates[#candidates]
+          if c and c.family == "polynomial NARX" then least = math.min(least or math.huge, c.held) end
+        end
+      end
+      local top = best_structures(1)[1]
+      if least and top and least > 1.5 * top.held then break end
     end
   end
 
@@ -759,5 +819,10 @@ local function identify_jointly(single)
 end
 
 local single = {}
-for output = 1, #all.outputs do single[output] = identify_output(output) end
-if #all.outputs > 1 then identify_jointly(single) end
+local varying = 0
+for output = 1, #all.outputs do
+  single[output] = identify_output(output)
+  if single[output] then varying = varying + 1 end
+end
+if varying == 0 then error("none of the outputs varies", 0) end
+if varying > 1 and varying == #all.outputs then identify_jointly(single) end

@@ -1,5 +1,7 @@
 // Every experiment in scripts/examples runs and ends with its answer.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -93,12 +95,86 @@ class IdentifyExample : public testing::Test {
     return output.str();
   }
 
- private:
   fs::path root_;
+
+ private:
   // Of each test its own: tests run at the same time.
   const fs::path place_ =
       fs::path("build") / "tests-of-identify" / testing::UnitTest::GetInstance()->current_test_info()->name();
 };
+
+// Each wrong record, and what is said of it.
+TEST_F(IdentifyExample, SaysWhatIsWrongWithARecord) {
+  const auto rows = [](int count, const auto& row) {
+    std::string text = "time,u,y\n";
+    for (int k = 0; k < count; ++k) text += row(k);
+    return text;
+  };
+  const auto plain = [](int k) { return fmt::format("{},{},{}\n", 0.1 * k, k % 7, (k % 7) * 0.5); };
+  const auto at_50 = [&](const std::string& y) {
+    return rows(300, [&](int k) { return k == 50 ? fmt::format("5,1,{}\n", y) : plain(k); });
+  };
+  const auto scaled = [&](const char* power) {
+    return rows(300, [&](int k) { return fmt::format("{},{}{},{}\n", 0.1 * k, k % 7 + 1, power, k % 5); });
+  };
+  const struct {
+    std::string text, complaint;
+  } records[] = {
+      {"", "bad.csv:0:0: it holds no line with values"},
+      {"time,u,y\n", "bad.csv has one sample in each experiment: give the sampling time Ts in s"},
+      {rows(2, plain), "'y' has 2 samples; a search of structures that holds some of them back needs 100"},
+      {rows(60, plain), "'y' has 60 samples; a search of structures that holds some of them back needs 100"},
+      {rows(300, [](int k) { return fmt::format("{},{},3\n", 0.1 * k, k % 7); }), "none of the outputs varies"},
+      {rows(300, [](int k) { return fmt::format("{},{},\n", 0.1 * k, k % 7); }),
+       "'y' has no values in experiment 1: leave the column out, or the experiment"},
+      {at_50("inf"), "'y' is infinite at sample 50 of experiment '1'"},
+      {at_50("broken"), "bad.csv:52:5: 'broken' is no number"},
+      {at_50("1,2"), "bad.csv:52:7: 4 values, but the first line has 3"},
+      {scaled("e300"),
+       "'u' has values of about 7e+300 in experiment '1', whose squares cannot be computed; take another unit"},
+      {scaled("e-300"),
+       "'u' has values of about 7e-300 in experiment '1', whose squares cannot be computed; take another unit"},
+      {"y\n1\n2\n3\n", "bad.csv has no column 'time': give the sampling time Ts in s, as in Ts=0.1"},
+      {"time,valve,y\n0,1,2\n1,2,2\n",
+       "bad.csv: 'valve' is no time and neither an input (u...) nor an output (y...); say which columns are inputs and "
+       "outputs, the others are then left out, as in inputs=flow,valve outputs=level"},
+      {"time,y,y\n0,1,2\n", "bad.csv:1:8: two columns are called 'y'"},
+      {"time,u,y\n0,1,2\n1,1,2\n2,1,2\n7,1,2\n8,1,2\n",
+       "bad.csv: time goes from 2 s to 7 s at row 4, but most steps are 1 s; the times of an experiment must grow "
+       "evenly: leave cells of missing samples empty, and number the experiments in a column 'experiment'"},
+  };
+  for (const auto& record : records) {
+    std::ofstream("bad.csv") << record.text;
+    std::ostringstream output, messages;
+    ScriptOptions options;
+    options.output = &output;
+    options.messages = &messages;
+    EXPECT_EQ(run_script((root_ / "scripts/examples/identify.lua").string(), {"bad.csv", "effort=0.02"}, options),
+              script_failed)
+        << record.complaint;
+    const std::string said = messages.str();
+    EXPECT_EQ(said.substr(0, said.find('\n')), record.complaint);
+  }
+}
+
+TEST_F(IdentifyExample, TakesNamedColumnsWithoutTimesAndValuesThatAreMissing) {
+  std::ofstream file("rig.csv");
+  file << "valve,level,remark\n";
+  double level = 0;
+  unsigned seed = 4;
+  const auto random = [&seed] { return (seed = seed * 1664525U + 1013904223U) / 4294967296.0 - 0.5; };
+  for (int k = 0; k < 300; ++k) {
+    const int valve = k / 9 % 2;
+    const bool missing = k < 4 || k == 50 || k == 51;
+    file << valve << ',' << (missing ? std::string() : fmt::format("{}", level + 0.01 * random())) << ",7\n";
+    level = 0.8 * level + 0.2 * valve;
+  }
+  file.close();
+  const std::string said = run({"rig.csv", "inputs=valve", "outputs=level", "Ts=2", "effort=0.02"});
+  EXPECT_NE(said.find("4 samples at the ends of the record"), std::string::npos);
+  EXPECT_NE(said.find("2 missing values inside of the record"), std::string::npos);
+  EXPECT_TRUE(fs::exists("out/rig-level.yaml"));
+}
 
 TEST_F(IdentifyExample, FindsALongDelayAndWritesWhatItPredictsOfTheRowsAfterTheSplit) {
   write_record("rig.csv", 700, 1, false);

@@ -51,7 +51,7 @@ class Linear final : public Covariance {
     const Eigen::Index d = z.cols();
     result.g = input_gradient(theta, mu, z);
     result.q = ((result.g * mu).array() + theta[d]).matrix();
-    result.Q = result.q * result.q.transpose() + result.g * s * result.g.transpose();
+    result.C = result.g * s * result.g.transpose();
     result.k = theta[d] + theta.head(d).dot(Vector(mu.array().square().matrix() + s.diagonal()));
     return true;
   }

@@ -2,6 +2,7 @@
 
 #include "identify/data/data_set.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,11 +64,25 @@ TEST(DataSet, RoundedTimesStillGiveOneSamplingTime) {
   EXPECT_EQ(read_data_csv("time,u,y\n0.00,1,1\n0.33,1,1\n0.67,1,1\n1.00,1,1\n", "thirds.csv").Ts, 0.3333333333);
 }
 
+TEST(DataSet, TimesOfSixDigitsMayBeLongerThanTheSamplingTimeResolves) {
+  // 610.35 Hz for 200 s: at the end the last digit is 1 ms of 1.638 ms.
+  const auto times = [](int left_out) {
+    std::string text = "time,u,y\n";
+    for (int k = 0; k < 120'000; ++k) {
+      if (k != left_out) text += fmt::format("{:.6g},1,2\n", k / 610.35);
+    }
+    return text;
+  };
+  EXPECT_NEAR(read_data_csv(times(-1), "long.csv").Ts * 610.35, 1, 1e-5);
+  EXPECT_NE(message([&] { read_data_csv(times(100'000), "long.csv"); }), "");
+  EXPECT_NE(message([&] { read_data_csv(times(1000), "long.csv"); }).find("at row 1001,"), std::string::npos);
+}
+
 TEST(DataSet, SaysWhatIsWrongWithACsvFile) {
   EXPECT_EQ(
       message([] { read_data_csv("time,u,y\n0,1,1\n1,1,1\n3,1,1\n4,1,1\n", "a.csv"); }),
-      "a.csv: time goes from 0 s to 1 s at row 2, but the mean step is 1.33333 s; the times of an experiment must be "
-      "evenly spaced: leave cells of missing samples empty, and number the experiments in a column 'experiment'");
+      "a.csv: time goes from 1 s to 3 s at row 3, but most steps are 1 s; the times of an experiment must grow evenly: "
+      "leave cells of missing samples empty, and number the experiments in a column 'experiment'");
   EXPECT_EQ(
       message([] { read_data_csv("time,volt,y\n0,1,1\n1,1,1\n", "a.csv"); }),
       "a.csv: 'volt' is no time and neither an input (u...) nor an output (y...); say which columns are inputs and "

@@ -86,6 +86,37 @@ TEST(MomentMatching, AgreesWithQuadrature) {
   }
 }
 
+// With little noise the weights of the points are large and cancel; with many points C is taken apart in part only.
+TEST(MomentMatching, KeepsEightDigitsWithLittleNoise) {
+  for (const Index points : {12, 90, 260}) {
+    for (const char* covariance : {"se_ard", "linear", "se_ard + linear"}) {
+      const MatrixXd x = random_points(points, 2, 71);
+      const VectorXd y = first_order_targets(x, 0.01, 72);
+      const auto form = find_covariance(covariance);
+      const GaussianProcess model{
+          form, MeanFunction::linear, {random_positive(form->count(2), 73), points < 100 ? 1e-4 : 1e-3}, x, y};
+      const Propagator propagator(model, Propagation::moment_matching);
+      for (const UncertainPoint& point :
+           {point_with(0.2, 0.05, 0.1), point_with(0.05, 0, 0), point_with(1e-5, 0, 1e-4)}) {
+        const UncertainPrediction found = propagator.predict(point), expected = by_quadrature(model, point, 60);
+        EXPECT_NEAR(found.mean, expected.mean, 1e-9) << covariance << points;
+        // A known function's variance is a difference of numbers of the size of the prior's.
+        EXPECT_NEAR(found.variance, expected.variance, 1e-8 * expected.variance + 1e-12) << covariance << points;
+      }
+    }
+  }
+}
+
+// Far away both the expectations and what they are multiplied by leave the range of numbers.
+TEST(MomentMatching, FarFromAllPointsIsThePrior) {
+  const GaussianProcess model = model_of("se_ard", MeanFunction::zero);
+  UncertainPoint point = point_with(0.2, 0.05, 0.1);
+  point.mean << 300, -400;
+  const UncertainPrediction found = Propagator(model, Propagation::moment_matching).predict(point);
+  EXPECT_NEAR(found.mean, 0, 1e-300);
+  EXPECT_NEAR(found.variance, model.hyperparameters().theta[2], 1e-15);
+}
+
 TEST(MomentMatching, OfACertainInputIsThePrediction) {
   const GaussianProcess model = model_of("se_ard", MeanFunction::constant);
   const UncertainPoint point = point_with(0, 0, 0);
