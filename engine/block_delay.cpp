@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/program/kernel.h"
+#include "engine/program/record.h"
 
 namespace plantloop {
 namespace {
@@ -237,6 +238,18 @@ Value delayed(Now now, Value u, const DeadTime& time) {
     Jumps().when(back);
   }
   return out[0];
+}
+
+Array delayed_loop(Now now, const Shape& shape, const DeadTime& time, const std::function<Array(const Array&)>& next) {
+  Recorder& recorder = *Recorder::current();
+  Array coming(shape), late(shape);
+  for (int i = 0; i < shape.size(); ++i) {
+    coming[i] = recorder.wire();
+    late[i] = delayed(now, coming[i], time);
+  }
+  const Array driver = next(late);
+  for (int i = 0; i < shape.size(); ++i) recorder.bind(coming[i], driver.at(i));
+  return late;
 }
 
 }  // namespace plantloop

@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "engine/block.h"
@@ -23,5 +24,9 @@ struct DeadTime {
 // u(t - delay). Where u is not smooth, the output is not smooth one delay later: such instants are steps' ends. To be
 // called in outputs() of a continuous block.
 Value delayed(Now now, Value u, const DeadTime& time);
+
+// x with x(t) = next(x)(t - delay), element by element: a loop that a dead time closes. `next` gives what comes out one
+// delay later; before the start that was `time.past`, which must be given.
+Array delayed_loop(Now now, const Shape& shape, const DeadTime& time, const std::function<Array(const Array&)>& next);
 
 }  // namespace plantloop

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.h"
+#include "engine/block_delay.h"
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
 #include "learned/map_block.h"
@@ -61,32 +62,33 @@ std::shared_ptr<const VelocityFamily> VelocityBlock::checked(Checking& checking)
     if (!error.empty()) checking.problem(model, error);
     return nullptr;
   }
-  const auto fits = [&](const Table& table, std::size_t count, const char* each) {
-    if (table.spec.optional && !checking.given(table)) return true;
-    const auto size = static_cast<std::size_t>(checking.shape(table).size());
-    if (size == 1 || size == count) return true;
-    checking.problem(table, fmt::format("expected one number or {}, one for each {}, got {}", count, each, size));
-    return false;
-  };
-  const bool outputs_fit = fits(start, f->outputs.size(), "output");
-  return fits(rates_at_start, f->states.size(), "state") && outputs_fit ? f : nullptr;
+  return f;
 }
 
-void VelocityBlock::set_sizes(Sizing& sizing, const Output& output) const {
+void VelocityBlock::set_sizes(Sizing& sizing, const Output& output, const Output& filtered) const {
   const auto f = family();
   if (!f) return;
+  const auto fits = [&](const Table& table, std::size_t count, const char* each) {
+    const Shape given = sizing.of(table);
+    if (!given.is_known() || given.size() <= 1 || given.size() == static_cast<int>(count)) return;
+    sizing.problem(table, fmt::format("expected one number or {}, one for each {}, got {}", count, each, given.size()));
+  };
+  fits(start, f->outputs.size(), "output");
+  fits(rates_at_start, f->states.size(), "state");
+  fits(input_at_start, f->inputs.size(), "input");
   sizing.expect(u, shape_of(static_cast<int>(f->inputs.size())));
   sizing.set(w, shape_of(static_cast<int>(f->states.size())));
   sizing.set(uf, shape_of(static_cast<int>(f->inputs.size())));
   sizing.set(integral, shape_of(static_cast<int>(f->outputs.size())));
   sizing.set(output, shape_of(static_cast<int>(f->outputs.size())));
+  sizing.set(filtered, shape_of(static_cast<int>(f->inputs.size())));
 }
 
 void VelocityBlock::initial(Now now, Init init) const {
   const auto f = family();
   if (!f) return;
   const auto outputs = static_cast<int>(f->outputs.size());
-  init[uf] = spread(now[u], static_cast<int>(f->inputs.size()));
+  init[uf] = spread(now.given(input_at_start) ? now[input_at_start] : now[u], static_cast<int>(f->inputs.size()));
   init[w] = spread(now[rates_at_start], static_cast<int>(f->states.size()));
   if (now.given(start)) {
     init[integral] = spread(now[start], outputs);
@@ -100,22 +102,34 @@ void VelocityBlock::initial(Now now, Init init) const {
 void VelocityBlock::derivatives(Now now, Rates rate) const {
   const auto f = family();
   if (!f) return;
-  const std::vector<Value> mu = weights(now, *f);
+  const Weights mu = weights(now, *f);
   const int n = static_cast<int>(f->states.size()), drives = static_cast<int>(f->inputs.size());
-  const Array speed = now[N] * (spread(now[u], drives) - now[uf]), x = now[w];
-  const auto product = [&](MatrixXd VelocityPoint::*by_state, MatrixXd VelocityPoint::*by_input, int rows) {
+  const bool is_sampled = f->Ts > 0;
+  const Value pole = now.given(N) ? now[N][0] : Value(is_sampled ? 100 / f->Ts : 100);
+  const Array speed = pole * (spread(now[u], drives) - now[uf]);
+  const auto product = [&](MatrixXd VelocityPoint::*by_state, MatrixXd VelocityPoint::*by_input, int rows,
+                           const Array& x) {
     Array result(shape_of(rows));
     for (int i = 0; i < rows; ++i) {
       Value sum = 0;
-      for (int j = 0; j < n; ++j) sum = sum + blended(*f, mu, by_state, i, j) * x[j];
-      for (int j = 0; j < drives; ++j) sum = sum + blended(*f, mu, by_input, i, j) * speed[j];
+      for (int j = 0; j < n; ++j) sum = sum + blended(*f, mu.of_states, by_state, i, j) * x[j];
+      for (int j = 0; j < drives; ++j) sum = sum + blended(*f, mu.of_inputs, by_input, i, j) * speed[j];
       result[i] = sum;
     }
     return result;
   };
+  Array x = now[w];
   rate[uf] = speed;
-  rate[w] = product(&VelocityPoint::A, &VelocityPoint::B, n);
-  rate[integral] = product(&VelocityPoint::C, &VelocityPoint::D, static_cast<int>(f->outputs.size()));
+  if (is_sampled) {
+    // What the first sample changes comes as the inputs do: as a pulse of the filter, since a jump has no derivative.
+    const Array pulse = pole * x;
+    rate[w] = -1.0 * pulse;
+    x = delayed_loop(now, shape_of(n), {.delay = f->Ts, .past = Value(0)},
+                     [&](const Array& late) { return product(&VelocityPoint::A, &VelocityPoint::B, n, late) + pulse; });
+  } else {
+    rate[w] = product(&VelocityPoint::A, &VelocityPoint::B, n, x);
+  }
+  rate[integral] = product(&VelocityPoint::C, &VelocityPoint::D, static_cast<int>(f->outputs.size()), x);
 }
 
 }  // namespace plantloop

@@ -33,7 +33,66 @@ double speed_of(Complex root, double period) {
   return std::abs(root) > 0 ? std::abs(std::log(root)) / period : 0;
 }
 
+// exp(A t) and the integral of exp(A s) B over s from 0 to t: both stand in exp([A, B; 0, 0] t) (C. Van Loan 1978).
+struct Held {
+  DenseMatrix states, inputs;
+};
+Held held(const LinearModel& model, double t) {
+  const std::size_t n = model.A.rows, m = model.B.columns;
+  DenseMatrix both(n + m, n + m);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) both(i, j) = model.A(i, j);
+    for (std::size_t j = 0; j < m; ++j) both(i, n + j) = model.B(i, j);
+  }
+  const DenseMatrix whole = exponential(both, t);
+  return {whole.block(0, 0, n, n), whole.block(0, n, n, m)};
+}
+
+void put(DenseMatrix& into, std::size_t row, std::size_t column, const DenseMatrix& part) {
+  for (std::size_t i = 0; i < part.rows; ++i) {
+    for (std::size_t j = 0; j < part.columns; ++j) into(row + i, column + j) += part(i, j);
+  }
+}
+
 }  // namespace
+
+LinearModel sampled(const LinearModel& model, double period, double dead_time, const std::vector<double>& u) {
+  const std::size_t n = model.A.rows, m = model.B.columns;
+  // u(k) reaches the model `whole` samples and `part` seconds later. Quotients off a whole number by rounding are it.
+  const double whole = std::floor(dead_time / period + 1e-9);
+  const double rest = dead_time - whole * period, part = rest > 1e-9 * period ? rest : 0;
+  const auto d = static_cast<std::size_t>(whole), late = d + (part > 0 ? 1 : 0), total = n + late * m;
+  const Held over = held(model, period), first = held(model, part), second = held(model, period - part);
+  LinearModel result = model;
+  result.period = period;
+  result.A = DenseMatrix(total, total);
+  result.B = DenseMatrix(total, m);
+  result.C = DenseMatrix(model.C.rows, total);
+  result.D = DenseMatrix(model.C.rows, m);
+  // The matrix and the column at which u(k - lag) stands.
+  const auto add = [&](DenseMatrix& by_state, DenseMatrix& by_input, std::size_t row, std::size_t lag,
+                       const DenseMatrix& gain) {
+    if (lag == 0) {
+      put(by_input, row, 0, gain);
+    } else {
+      put(by_state, row, n + (lag - 1) * m, gain);
+    }
+  };
+  put(result.A, 0, 0, over.states);
+  add(result.A, result.B, 0, d, second.inputs);
+  if (part > 0) add(result.A, result.B, 0, d + 1, product(second.states, first.inputs));
+  for (std::size_t lag = 1; lag <= late; ++lag)
+    add(result.A, result.B, n + (lag - 1) * m, lag - 1, DenseMatrix::identity(m));
+  put(result.C, 0, 0, model.C);
+  add(result.C, result.D, 0, late, model.D);
+  for (std::size_t lag = 1; lag <= late; ++lag) {
+    for (std::size_t j = 0; j < m; ++j) {
+      result.states.push_back(model.inputs[j] + " " + std::to_string(lag) + " late");
+      result.x.push_back(u[j]);
+    }
+  }
+  return result;
+}
 
 std::vector<Complex> poles(const LinearModel& model) { return eigenvalues(model.A); }
 

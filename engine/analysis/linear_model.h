@@ -20,6 +20,11 @@ struct LinearModel {
   std::vector<std::string> without_derivative;  // blocks whose part is missing, since their derivative is not known
 };
 
+// A continuous model sampled with a period, its inputs held in between and `dead_time` (s) late: exact at the samples
+// (K. Astrom and B. Wittenmark, Computer-Controlled Systems, 3.2). Inputs that are on their way are states "u 1 late",
+// "u 2 late", ..., with values at the operating point as `u` says, one for each input.
+LinearModel sampled(const LinearModel& model, double period, double dead_time, const std::vector<double>& u);
+
 std::vector<std::complex<double>> poles(const LinearModel& model);
 // Of the whole transfer matrix; with one input and one output those of the transfer function that are not cancelled,
 // and the modes that cannot be reached or seen.

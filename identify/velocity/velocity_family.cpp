@@ -43,6 +43,7 @@ Item to_item(const VelocityFamily& family) {
     points.add(point);
   }
   Item item;
+  if (family.Ts > 0) item.set("Ts", family.Ts);
   item.set("scheduling", family.scheduling)
       .set("states", family.states)
       .set("inputs", channel_items(family.inputs))
@@ -54,8 +55,12 @@ Item to_item(const VelocityFamily& family) {
 VelocityFamily velocity_family_of(const Item& item) {
   if (item.text("type") != "velocity_family")
     item.at("type").wrong(fmt::format("a model of type '{}' is no velocity_family", item.text("type")));
-  item.only({"plantloop_model", "type", "scheduling", "states", "inputs", "outputs", "points"});
+  item.only({"plantloop_model", "type", "Ts", "scheduling", "states", "inputs", "outputs", "points"});
   VelocityFamily family;
+  if (item.has("Ts")) {
+    family.Ts = item.number("Ts");
+    if (!(family.Ts > 0)) item.at("Ts").wrong("the sampling time 'Ts' must be greater than 0 s");
+  }
   family.scheduling = item.text("scheduling");
   family.states = item.texts("states");
   family.inputs = channels_in(item, "inputs");

@@ -12,7 +12,7 @@
 
 namespace plantloop::identify {
 
-// w = x':  w' = A w + B u',  y' = C w + D u'.
+// w = x':  w' = A w + B u',  y' = C w + D u'. Of a sampled system: w(t + Ts) = A w(t) + B u'(t), y' as before.
 struct VelocityPoint {
   double at = 0;               // of the scheduling variable
   Eigen::MatrixXd A, B, C, D;  // n x n, n x inputs, outputs x n, outputs x inputs
@@ -20,6 +20,7 @@ struct VelocityPoint {
 };
 
 struct VelocityFamily {
+  double Ts = 0;           // s, sampling time of the system; 0: continuous
   std::string scheduling;  // what `at` is the value of
   std::vector<std::string> states;
   std::vector<Channel> inputs, outputs;

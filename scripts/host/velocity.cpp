@@ -4,12 +4,10 @@
 
 #include <algorithm>
 
-#include "engine/analysis/linearise.h"
 #include "identify/velocity/velocity_family.h"
 #include "scripts/host/api.h"
 #include "scripts/host/identify_objects.h"
-#include "scripts/host/objects.h"
-#include "scripts/host/session.h"
+#include "scripts/host/local_model.h"
 
 namespace plantloop::lua {
 namespace {
@@ -30,54 +28,61 @@ Eigen::VectorXd part_of(const std::vector<double>& values, std::size_t first, st
   return Eigen::VectorXd::Map(values.data() + first, static_cast<Eigen::Index>(count));
 }
 
+// How the local models of one family are made.
+struct LocalRequest {
+  LineariseRequest linearise;
+  double sampling_time = 0, dead_time = 0;  // s; 0: as the diagram is, none
+};
+
 // The point that the table on top of the stack tells; what its models have in common goes into the family.
-VelocityPoint point_of(lua_State* L, const DiagramObject& self, LineariseRequest request, VelocityFamily& family) {
+VelocityPoint point_of(lua_State* L, const DiagramObject& self, const LocalRequest& local, VelocityFamily& family) {
   const Options options(L, lua_gettop(L), "a point", {"at", "diagram", "time", "trim"});
   VelocityPoint point;
   const auto at = options.number("at");
   if (!at) throw ScriptError("each point has 'at', the value of the scheduling variable, as in {at = 0}");
   point.at = *at;
-  const DiagramObject* of = &self;
-  if (options.push("diagram")) {
-    of = test_object<DiagramObject>(L, -1, diagram_kind);
-    if (of == nullptr)
-      throw ScriptError("'diagram' of a point is a diagram, as in {at = 0, diagram = plant:with{level = 1}}");
-    lua_pop(L, 1);  // the table keeps it
+  LinearModel model = local_model(L, self, local.linearise, options);
+  const std::size_t outputs = local.linearise.outputs.size();
+  const std::vector<double> u(model.y.begin() + static_cast<std::ptrdiff_t>(outputs), model.y.end());
+  if (local.sampling_time > 0) {
+    if (model.period > 0)
+      throw ScriptError(
+          fmt::format("the diagram is sampled every {:g} s already; leave out 'sampling_time'", model.period));
+    model = sampled(model, local.sampling_time, local.dead_time, u);
   }
-  request.set = of->set;
-  request.at = options.number("time");
-  request.trim = options.flag("trim");
-  const std::size_t outputs = request.outputs.size();
-  request.outputs.insert(request.outputs.end(), request.inputs.begin(), request.inputs.end());
-  Session& session = session_of(L);
-  session.sandbox.work(L, 10000);
-  Report report;
-  const auto model = linearise(of->diagram->model_pointer(), request, report);
-  if (!model) throw InputError(to_text(report, session.options.colour));
-  session.tell(report);
-  if (model->period > 0) throw ScriptError("the velocity form is of continuous diagrams, this one has sampled blocks");
-  if (model->inputs.size() != request.inputs.size() || model->outputs.size() != request.outputs.size())
-    throw ScriptError("inputs and outputs are single numbers; name the elements of a vector, as in x.2");
-  if (model->states.empty()) throw ScriptError("the diagram has no states, so it has no velocity form");
-  family.states = model->states;
-  point.A = matrix_of(model->A, model->A.rows);
-  point.B = matrix_of(model->B, model->B.rows);
-  point.C = matrix_of(model->C, outputs);
-  point.D = matrix_of(model->D, outputs);
-  point.x = part_of(model->x, 0, model->x.size());
-  point.y = part_of(model->y, 0, outputs);
-  point.u = part_of(model->y, outputs, request.inputs.size());
+  if (!family.points.empty() && family.Ts != model.period)
+    throw ScriptError(fmt::format("the points of a family have one sampling time; there are {:g} s and {:g} s",
+                                  family.Ts, model.period));
+  family.Ts = model.period;
+  family.states = model.states;
+  point.A = matrix_of(model.A, model.A.rows);
+  point.B = matrix_of(model.B, model.B.rows);
+  point.C = matrix_of(model.C, outputs);
+  point.D = matrix_of(model.D, outputs);
+  point.x = part_of(model.x, 0, model.x.size());
+  point.y = part_of(model.y, 0, outputs);
+  point.u = part_of(u, 0, u.size());
   return point;
 }
 
 int velocity_family(lua_State* L) {
   const DiagramObject& self = self_argument<DiagramObject>(L, diagram_kind);
-  const Options options(L, 2, "the options of velocity_family", {"path", "inputs", "outputs", "scheduling", "points"});
+  const Options options(L, 2, "the options of velocity_family",
+                        {"path", "inputs", "outputs", "scheduling", "points", "sampling_time", "dead_time"});
   const std::string path = options.text("path");
   if (path.empty()) throw ScriptError("'path' is the file to write, as in path = \"out/tank.yaml\"");
-  LineariseRequest request;
+  LocalRequest local;
+  LineariseRequest& request = local.linearise;
   request.inputs = texts(L, options, "inputs");
   request.outputs = texts(L, options, "outputs");
+  if (options.has("sampling_time")) {
+    local.sampling_time = options.number("sampling_time").value_or(0);
+    if (!(local.sampling_time > 0)) options.wrong("sampling_time", "a number greater than 0, in s");
+  }
+  local.dead_time = options.number("dead_time").value_or(0);
+  if (local.dead_time < 0) options.wrong("dead_time", "a number of at least 0, in s");
+  if (local.dead_time > 0 && local.sampling_time == 0)
+    throw ScriptError("'dead_time' goes with 'sampling_time'; in front of a continuous model stands a transport_delay");
   if (request.inputs.empty() || request.outputs.empty())
     throw ScriptError("'inputs' and 'outputs' are lists of signals, as in inputs = {\"u\"}, outputs = {\"y\"}");
   VelocityFamily family;
@@ -90,7 +95,7 @@ int velocity_family(lua_State* L) {
   if (count == 0) throw ScriptError(example);
   for (lua_Integer i = 1; i <= count; ++i) {
     if (lua_rawgeti(L, -1, i) != LUA_TTABLE) throw ScriptError(example);
-    family.points.push_back(point_of(L, self, request, family));
+    family.points.push_back(point_of(L, self, local, family));
     lua_pop(L, 1);
   }
   std::sort(family.points.begin(), family.points.end(),
@@ -108,9 +113,12 @@ int velocity_family(lua_State* L) {
 Entries velocity_methods() {
   return {
       {"velocity_family", guarded<velocity_family>,
-       "options: {path: string, inputs: string[], outputs: string[], scheduling?: string, points: table[]}", "string",
+       "options: {path: string, inputs: string[], outputs: string[], scheduling?: string, points: table[], "
+       "sampling_time?: "
+       "number, dead_time?: number}",
+       "string",
        "velocity-form models at points {at = value, diagram?, time?, trim?} as a file for velocity_blend; gives its "
-       "path"},
+       "path. Of a sampled diagram the models are sampled, of a continuous one with `sampling_time`"},
   };
 }
 

@@ -26,7 +26,8 @@ const std::vector<Layer>& layers() {
       // What the blocks of learned models share: a block has no header.
       {"learned",
        "learned",
-       {"engine/base", "engine/block.h", "engine/program/kernel.h", "engine/program/status_kernel.h", "identify"}},
+       {"engine/base", "engine/block.h", "engine/block_delay.h", "engine/program/kernel.h",
+        "engine/program/status_kernel.h", "identify"}},
       // Predictive control, which searches with models: learned ones, or diagrams.
       {"control",
        "control",
