@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "identify/velocity/controller_family.h"
 #include "identify/velocity/velocity_family.h"
 #include "scripts/host/api.h"
+#include "scripts/host/controller_design.h"
 #include "scripts/host/identify_objects.h"
 #include "scripts/host/local_model.h"
 
@@ -65,6 +67,14 @@ VelocityPoint point_of(lua_State* L, const DiagramObject& self, const LocalReque
   return point;
 }
 
+template <typename Point>
+void sort_points(std::vector<Point>& points) {
+  std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.at < b.at; });
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (points[i].at == points[i - 1].at) throw ScriptError(fmt::format("two points are at {:g}", points[i].at));
+  }
+}
+
 int velocity_family(lua_State* L) {
   const DiagramObject& self = self_argument<DiagramObject>(L, diagram_kind);
   const Options options(L, 2, "the options of velocity_family",
@@ -98,12 +108,61 @@ int velocity_family(lua_State* L) {
     family.points.push_back(point_of(L, self, local, family));
     lua_pop(L, 1);
   }
-  std::sort(family.points.begin(), family.points.end(),
-            [](const VelocityPoint& a, const VelocityPoint& b) { return a.at < b.at; });
-  for (std::size_t i = 1; i < family.points.size(); ++i) {
-    if (family.points[i].at == family.points[i - 1].at)
-      throw ScriptError(fmt::format("two points are at {:g}", family.points[i].at));
+  sort_points(family.points);
+  write_and_push(L, path, to_yaml(family), {".yaml"});
+  return 1;
+}
+
+// The controller of the point that the table on top of the stack tells.
+identify::ControllerPoint controller_of(lua_State* L, const DiagramObject& self, const LineariseRequest& request,
+                                        const Options& design, std::vector<std::string>& states) {
+  const Options options(L, lua_gettop(L), "a point", {"at", "diagram", "time", "trim", "model"});
+  const auto at = options.number("at");
+  if (!at) throw ScriptError("each point has 'at', the value of the scheduling variable, as in {at = 0}");
+  LinearModel model;
+  if (options.push("model")) {
+    model = linear_model_argument(L, lua_gettop(L));
+    lua_pop(L, 1);
+  } else {
+    model = local_model(L, self, request, options);
+    model.C = model.C.block(0, 0, 1, model.C.columns);  // without the input's own value
+    model.D = model.D.block(0, 0, 1, model.D.columns);
+    model.outputs.resize(1);
   }
+  identify::ControllerPoint point = designed(L, design, model);
+  point.at = *at;
+  states.clear();
+  for (Eigen::Index j = 0; j < point.K.size(); ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    states.push_back(k < model.states.size() ? model.states[k] : fmt::format("x{}", j + 1));
+  }
+  return point;
+}
+
+int controller_family(lua_State* L) {
+  const DiagramObject& self = self_argument<DiagramObject>(L, diagram_kind);
+  const Options options(L, 2, "the options of controller_family",
+                        {"path", "input", "output", "scheduling", "points", "design"});
+  const std::string path = options.text("path"), input = options.text("input"), output = options.text("output");
+  if (path.empty()) throw ScriptError("'path' is the file to write, as in path = \"out/controllers.yaml\"");
+  if (input.empty() || output.empty())
+    throw ScriptError("'input' and 'output' are signals, as in input = \"u\", output = \"y\"");
+  if (!options.push("design"))
+    throw ScriptError("'design' tells how, as in {method = \"lambda_tuning\", controller = \"pi\", lambda = 2}");
+  const Options design(L, lua_gettop(L), "the design", design_options());
+  LineariseRequest request;
+  request.inputs = {input};
+  request.outputs = {output};
+  identify::ControllerFamily family;
+  family.scheduling = options.text("scheduling", output);
+  constexpr const char* example = "'points' is a list, as in {{at = 0}, {at = 1, diagram = plant:with{level = 1}}}";
+  if (!options.push("points") || !lua_istable(L, -1) || luaL_len(L, -1) == 0) throw ScriptError(example);
+  for (lua_Integer i = 1, count = luaL_len(L, -1); i <= count; ++i) {
+    if (lua_rawgeti(L, -1, i) != LUA_TTABLE) throw ScriptError(example);
+    family.points.push_back(controller_of(L, self, request, design, family.states));
+    lua_pop(L, 1);
+  }
+  sort_points(family.points);
   write_and_push(L, path, to_yaml(family), {".yaml"});
   return 1;
 }
@@ -112,6 +171,12 @@ int velocity_family(lua_State* L) {
 
 Entries velocity_methods() {
   return {
+      {"controller_family", guarded<controller_family>,
+       "options: {path: string, input: string, output: string, scheduling?: string, points: table[], design: table}",
+       "string",
+       "a controller for each point {at = value, diagram?, time?, trim?, model?}, designed as pl.tune does, as a file "
+       "for "
+       "blended_controller; gives its path"},
       {"velocity_family", guarded<velocity_family>,
        "options: {path: string, inputs: string[], outputs: string[], scheduling?: string, points: table[], "
        "sampling_time?: "
