@@ -125,6 +125,17 @@ INSTANTIATE_TEST_SUITE_P(
             "one step below 0.01 pH: yes; free run below 0.03 and 0.08 pH: yes; five times better than linear: "
             "yes\nfive of its weights are superfluous, the validation changes by less than 10 %: yes\n"
             "process: AE below 0.15, SE below 0.05 inside: yes; less certain at the edge: yes\n"},
+        Experiment{"network_control",
+                   {"network_unknown_part", "network_feedback_linearisation", "network_instantaneous_linearisation",
+                    "network_soft_sensor", "network_control_law", "network_imitation", "network_inverse",
+                    "network_internal_model", "network_gains"},
+                   "the tank in free run below 5 mm: yes; its inverse below 0.1 % of the pump: yes\n"
+                   "the rest of the pendulum's equation to its noise of 0.3: yes\n"
+                   "the concentration below 0.002 mol/l: yes\n"
+                   "the predictive law below 0.1 % of the pump: yes; the PI controller below 0.1 %: yes\n"
+                   "pH in free run below 0.05: yes\n"
+                   "the networks are those that the diagrams run: yes\n"
+                   "every loop does what its diagram expects: yes\n"},
         Experiment{"gain_scheduling", {"figure_6_8", "figure_6_8_signals"}, "whatever the height of the step"}),
     [](const auto& instance) { return instance.param.name; });
 
