@@ -69,9 +69,10 @@ Array Limits::clamp(Now now, Array value) const {
 }
 
 Array Limits::stand_still(Now now, const Array& state, const Array& rate) const {
+  // Between the limits the sign of the rate decides nothing, and its crossings of 0 are no events.
   Array slope = rate;
-  if (now.given(lower)) slope = where(state <= now[lower] && rate < 0.0, 0.0, slope);
-  if (now.given(upper)) slope = where(state >= now[upper] && rate > 0.0, 0.0, slope);
+  if (now.given(lower)) slope = where(where(state <= now[lower], rate, 1.0) < 0.0, 0.0, slope);
+  if (now.given(upper)) slope = where(where(state >= now[upper], rate, -1.0) > 0.0, 0.0, slope);
   return slope;
 }
 
