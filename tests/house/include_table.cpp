@@ -36,8 +36,8 @@ const std::vector<Layer>& layers() {
       {"blocks",
        "blocks",
        {"engine/base", "engine/block.h", "engine/block_algebra.h", "engine/block_delay.h", "engine/block_design.h",
-        "engine/block_parts.h", "engine/block_random.h", "engine/program/kernel.h", "learned", "control",
-        "identify"}},  // learned models are blocks too
+        "engine/block_fixed_point.h", "engine/block_parts.h", "engine/block_random.h", "engine/program/kernel.h",
+        "learned", "control", "identify"}},  // learned models are blocks too
       {"render", "render", {"engine/base"}},
       {"app/figures", "figures", {"engine", "render"}},  // shared by the commands and the Lua host
       {"app/drawing", "drawing", {"engine", "render"}},  // a library, so that tests can look at drawings
