@@ -144,6 +144,7 @@ GpFit fit_gp(const MatrixXd& x, const VectorXd& y, const GpOptions& options, con
   report.samples = y.size();
   report.parameters = covariance->count(static_cast<int>(x.cols())) + 1;
   report.seed = options.seed;
+  report.options = {fmt::format("covariance {}", covariance->name()), fmt::format("mean {}", options.mean)};
   warn_of_data(x, y, report.warnings);
 
   const VectorXd guess = first_guess(*covariance, x, y);

@@ -88,6 +88,7 @@ PolynomialModel fit_arx(const LinearTask& task, const LinearOptions& options) {
   model.fit.parameters = task.orders.parameters();
   model.fit.reached = fit.sse / static_cast<double>(rows.y.size());
   model.fit.stopped = "solved directly";
+  model.fit.tried.push_back(fit.account());
   model.fit.options = options_of(options);
   model.fit.warnings.insert(model.fit.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (rows.left_out > 0) {

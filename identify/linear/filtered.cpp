@@ -91,6 +91,7 @@ PolynomialModel fit_filtered(const DataSet& data, const Orders& orders, const Li
   }
   model.fit = arx.fit;
   model.fit.method = "filtered least squares";
+  model.fit.tried = {fmt::format("the last of {} passes, {}", pass - 1, arx.fit.tried.front())};
   model.fit.iterations = pass - 1;
   model.fit.stopped = settled ? "no parameter changed by 1e-10" : fmt::format("the limit of {} passes", passes);
   return model;
@@ -127,7 +128,11 @@ PolynomialModel fit_instrumental(const DataSet& data, const Orders& orders, cons
   const double s2 = e.squaredNorm() / static_cast<double>(e.size() - theta.size());
   model.covariance = s2 * (Z.transpose() * Z).inverse();
   model.variance = s2;
+  const double first = model.fit.reached;
   model.fit.method = "instrumental variables, four steps";
+  model.fit.tried = {fmt::format("ARX by least squares for the first instruments: mean square {:.6g}", first),
+                     fmt::format("instruments and signals filtered by an AR model of order {}: mean square {:.6g}",
+                                 noise.orders.na, e.squaredNorm() / static_cast<double>(e.size()))};
   model.fit.reached = e.squaredNorm() / static_cast<double>(e.size());
   model.fit.stopped = "solved directly";
   model.fit.warnings = undetermined(task.data);

@@ -90,4 +90,8 @@ LeastSquares least_squares(const MatrixXd& X, const VectorXd& y, const LeastSqua
   return fit;
 }
 
+std::string LeastSquares::account() const {
+  return fmt::format("QR with pivots: rank {} of {}, condition {:.3g}", rank, theta.size(), condition);
+}
+
 }  // namespace plantloop::identify

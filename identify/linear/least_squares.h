@@ -24,6 +24,8 @@ struct LeastSquares {
   double condition = 1;  // of X with columns scaled to length 1: ratio of R's extreme diagonal entries
   std::vector<std::string> warnings;
 
+  // What was tried, for a report: "QR with pivots: rank 3 of 4, condition 120".
+  std::string account() const;
   Eigen::VectorXd deviations() const { return covariance.diagonal().cwiseSqrt(); }  // standard deviations
 };
 

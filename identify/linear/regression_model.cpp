@@ -91,6 +91,9 @@ RegressionModel fit_regression(const DataSet& data, const RegressorSet& set, con
     m.theta.col(i) = fit.theta;
     m.variance[i] = fit.s2;
     m.covariance.push_back(fit.covariance);
+    m.fit.tried.push_back(outputs == 1
+                              ? fit.account()
+                              : fmt::format("{}: {}", data.outputs[static_cast<std::size_t>(i)].name, fit.account()));
     m.fit.reached += fit.sse / static_cast<double>(r.X.rows() * outputs);
     if (i == 0) m.fit.warnings = fit.warnings;
   }

@@ -169,6 +169,7 @@ LocalModelFit fit_local_grid(const MatrixXd& X, const MatrixXd& Y, int cells, co
   FitReport report;
   report.method = "grid of local models";
   report.stopped = fmt::format("{} cells along each axis were asked for", cells);
+  report.tried.push_back(fmt::format("a grid of {} local models", grid.size()));
   return fitting.finish(fitting.place(grid), std::move(report));
 }
 

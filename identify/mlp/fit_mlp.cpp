@@ -141,6 +141,12 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
   report.samples = task.X.rows();
   report.parameters = shape.parameters();
   report.seed = options.seed;
+  report.options.push_back(fmt::format("hidden {}", fmt::join(options.hidden, " ")));
+  if (options.activation != Activation::tanh) report.options.push_back("activation " + name_of(options.activation));
+  if (options.direct) report.options.emplace_back("direct");
+  if (options.training.decay > 0) report.options.push_back(fmt::format("decay {:g}", options.training.decay));
+  if (!options.horizons.empty()) report.options.push_back(fmt::format("horizons {}", fmt::join(options.horizons, " ")));
+  if (check != nullptr) report.options.emplace_back("validation");
   for (std::size_t i = 0; i < results.size(); ++i) {
     report.tried.push_back(line_of(fmt::format("start {}", i + 1), results[i], training.targets(), check));
     fit.errors.push_back(

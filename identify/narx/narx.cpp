@@ -145,6 +145,7 @@ NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regres
   if (!data.experiments.empty()) model.data = data_item(data);
   if (!data.experiments.empty()) {
     for (std::string& warning : undetermined(data)) model.fit.warnings.push_back(std::move(warning));
+    model.fit.data = hash(data);
   }
   model.channels.Ts = data.Ts;
   model.channels.inputs = data.inputs;

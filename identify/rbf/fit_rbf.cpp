@@ -197,6 +197,7 @@ RbfFit fit_rbf(const MatrixXd& X, const MatrixXd& Y, const RbfOptions& options, 
   shape.widths = widths(shape.centres.rows());
   report.method = "least squares";
   if (report.stopped.empty()) report.stopped = fmt::format("{} functions were asked for", options.functions);
+  if (report.tried.empty()) report.tried.push_back(fmt::format("{} centres", shape.centres.rows()));
   shape.weights = fit_weights(radial_matrix(shape.function, shape.centres, shape.widths, x), y, options, report);
 
   const RbfTraining training(shape, options.constant, x, y);
@@ -217,6 +218,8 @@ RbfFit fit_rbf(const MatrixXd& X, const MatrixXd& Y, const RbfOptions& options, 
     report.parameters += 2 * shape.centres.size();
   }
   report.samples = X.rows();
+  report.options.push_back(fmt::format("{}, width {:g}", name_of(options.function), options.width));
+  if (options.ridge > 0) report.options.push_back(fmt::format("ridge {:g}", options.ridge));
   if (options.function == Radial::quadratic)
     report.warnings.push_back(fmt::format(
         "Sums of r^2 are quadratic functions of the inputs, so more than {} functions add nothing.", X.cols() + 2));

@@ -18,6 +18,8 @@
 --
 -- Of several outputs there is also a model of all together, out/NAME-together.yaml, for those that drive each other.
 --
+-- A search that is stopped leaves the best model so far in out/NAME-OUTPUT.yaml.
+--
 -- What is tried depends on the effort and the size of the record, never on the clock, so that a run can be repeated exactly.
 -- Without a file it identifies a made-up tank.
 local pl = require "plantloop"
@@ -221,7 +223,7 @@ local function identify_output(output)
   local budget, spent = 250 * effort, 0
   local rows = splits[1].train.samples * #splits
 
-  local candidates = {}
+  local candidates, best_so_far = {}, math.huge
   -- fit(data): a model. again(data, model): that model fitted on to more data, where that is cheaper or better.
   local function try(family, what, work, fit, again)
     if spent + work > budget and #candidates > 6 then return end
@@ -245,6 +247,11 @@ local function identify_output(output)
                        held = math.sqrt(squares / #splits)}
     candidates[#candidates + 1] = candidate
     print(("  %-62s %12.5g %12.5g"):format(what, candidate.train, candidate.held))
+    -- Whoever stops the search keeps the best so far.
+    if candidate.held < best_so_far then
+      best_so_far = candidate.held
+      models[1]:save(("out/%s-%s.yaml"):format(name, label))
+    end
     return candidate
   end
   print(("  %-62s %12s %12s"):format("structure, and the RMSE of its free run", "identified", "held back"))
@@ -394,17 +401,18 @@ local function identify_output(output)
 
   -- Polynomial NARX: terms by orthogonal least squares, each size fitted to the free run.
   local tried = {}
-  local function try_polynomial(ny, nu, d, degree)
+  local function try_polynomial(ny, nu, d, degree, is_long)
     if inputs == 0 then nu, d = 0, 0 end
     local key = table.concat({ny, nu, d, degree}, " ")
     local signals = ny + inputs * nu
     if ny < 1 or nu < math.min(1, inputs) or tried[key] or signals > ({40, 20, 9})[degree] then return end
     tried[key] = true
     local candidate = try("polynomial NARX", ("polynomial NARX, degree %d, %s"):format(degree, named(ny, nu, d)),
-        rows * 1e-4, function(x)
+        rows * (is_long and 4e-4 or 1e-4), function(x)
           return identify.polynomial(x, {regressors = lags(ny, nu, d), degree = degree, most_terms = 30, iterations = 30})
         end, function(x, model) return model:fit_free_run(x, 60) end)
-    note(candidate, ny, nu, d)
+    if not is_long then note(candidate, ny, nu, d) end
+    return candidate
   end
   for _, degree in ipairs{1, 2, 3} do
     for _, ny in ipairs{order, 2, 1, 3, 4} do try_polynomial(ny, math.max(1, math.min(ny, 4)), delay, degree) end
@@ -424,20 +432,22 @@ local function identify_output(output)
   end
 
   -- What cannot be seen in a few outputs, as the sign of a speed that is measured without it, is in a long past of the
-  -- inputs.
+  -- inputs. Others take such structures only from a polynomial that is clearly better with them.
   if inputs == 1 then
-    local least
+    local short = best_structures(1)[1]
+    local limit, found = short and short.held or math.huge, nil
     for _, nu in ipairs{8, 12, 18} do
+      local least = math.huge
       for ny = 1, 2 do
-        if #data.y > 12 * nu then
-          try_polynomial(ny, nu, delay, 2)
-          local c = candidates[#candidates]
-          if c and c.family == "polynomial NARX" then least = math.min(least or math.huge, c.held) end
+        local own = #data.y > 12 * nu and try_polynomial(ny, nu, delay, 2, true)
+        if own then
+          least = math.min(least, own.held)
+          if own.held < 0.9 * limit and (not found or own.held < found.candidate.held) then found = {candidate = own, ny = ny, nu = nu} end
         end
       end
-      local top = best_structures(1)[1]
-      if least and top and least > 1.5 * top.held then break end
+      if least > 1.2 * limit then break end
     end
+    if found then note(found.candidate, found.ny, found.nu, delay) end
   end
 
   -- Networks beside a linear model, trained through time: first over short pieces, then over the whole record.

@@ -173,6 +173,10 @@ TEST_P(EveryEstimator, FollowsGoodData) {
   EXPECT_FALSE(fitted.report.method.empty());
   EXPECT_FALSE(fitted.report.stopped.empty());
   EXPECT_GT(fitted.report.samples, 0);
+  EXPECT_FALSE(fitted.report.tried.empty());
+  EXPECT_GT(fitted.report.parameters, 0);
+  EXPECT_TRUE(std::isfinite(fitted.report.reached));
+  EXPECT_EQ(fitted.report.data, hash(data));
 }
 
 TEST_P(EveryEstimator, GivesTheSameBitsTwice) {
@@ -264,6 +268,39 @@ TEST_P(EveryEstimator, LeavesMissingValuesOutOrRefusesThem) {
   }
   expect_numbers(data, "a missing output");
   EXPECT_FALSE(fitted.report.warnings.empty());
+}
+
+TEST_P(EveryEstimator, RefusesInfiniteInputs) {
+  DataSet data = good_data();
+  data.experiments[0].u(80, 0) = -HUGE_VAL;
+  EXPECT_NE(complaint(data), "");
+}
+
+TEST_P(EveryEstimator, LeavesMissingInputsOutOrRefusesThem) {
+  DataSet data = good_data();
+  data.experiments[0].u(80, 0) = std::nan("");
+  const std::string text = complaint(data);
+  if (!text.empty()) {
+    EXPECT_THAT(text, ::testing::AnyOf(::testing::HasSubstr("missing"), ::testing::HasSubstr("not finite")));
+    return;
+  }
+  EXPECT_FALSE(fitted.report.warnings.empty());
+}
+
+TEST_P(EveryEstimator, RefusesRecordsWithoutAnyValue) {
+  DataSet data = good_data();
+  data.experiments[0].y.setConstant(std::nan(""));
+  EXPECT_NE(complaint(data), "");
+}
+
+// From one sample to fewer rows than most models have parameters.
+TEST_P(EveryEstimator, RefusesAFewSamplesOrGivesNumbers) {
+  for (Index samples = 1; samples <= 9; ++samples) {
+    const DataSet data = part(good_data(), 0, samples);
+    if (!complaint(data).empty()) continue;
+    expect_numbers(data, "few samples");
+    EXPECT_TRUE(std::isfinite(fitted.report.reached)) << samples;
+  }
 }
 
 TEST_P(EveryEstimator, RefusesRecordsThatAreTooShort) {
