@@ -445,7 +445,7 @@ local function identify_output(output)
           if own.held < 0.9 * limit and (not found or own.held < found.candidate.held) then found = {candidate = own, ny = ny, nu = nu} end
         end
       end
-      if least > 1.2 * limit then break end
+      if least > 1.2 * limit and limit < 0.3 * pl.std(data.y) then break end
     end
     if found then note(found.candidate, found.ny, found.nu, delay) end
   end
