@@ -136,6 +136,11 @@ INSTANTIATE_TEST_SUITE_P(
                    "pH in free run below 0.05: yes\n"
                    "the networks are those that the diagrams run: yes\n"
                    "every loop does what its diagram expects: yes\n"},
+        Experiment{"discrete_velocity", {"figure_5_18", "figure_5_23"}, "the blend 0.2339 (expected 0.2339)"},
+        Experiment{"robot", {"figure_6_12"}, "the velocity form is 0.002 m short, the conventional one 0.059 m"},
+        Experiment{"separator",
+                   {"figure_6_17", "figure_6_18", "figure_6_20", "figure_6_21_6_22"},
+                   "bar off (expected 0.00178)"},
         Experiment{"gain_scheduling", {"figure_6_8", "figure_6_8_signals"}, "whatever the height of the step"}),
     [](const auto& instance) { return instance.param.name; });
 
