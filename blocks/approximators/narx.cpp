@@ -31,8 +31,8 @@ struct Narx final : Block {
       "`initial_u`.  "
       "variance: of the function, where the map is a Gaussian process, else 0. In free run `propagation` says how the "
       "uncertainty of past outputs is carried along: naive ignores it, first_order linearises, moment_matching is "
-      "exact in mean and variance, for the covariances se_ard, linear and their sum; these two need one output and "
-      "single lags as regressors.";
+      "exact in mean and variance, for sums and products of the covariances se_ard and linear; these two need one "
+      "output and single lags as regressors.";
   static constexpr auto example = R"(
 blocks:
   u: {type: step, time: 1, before: 0, after: 1.2}

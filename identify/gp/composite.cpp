@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "identify/gp/gaussian_terms.h"
+
 namespace plantloop::identify {
 namespace {
 
@@ -103,7 +105,27 @@ class Sum final : public Composite {
     });
     return known ? total : Matrix();
   }
-  // The products of two parts have a closed form when one of them is affine in x, l_j(x) = l_j(mu) + b_j'(x - mu):
+  bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,
+              std::vector<Matrix>* by_theta) const override {
+    block = Matrix::Zero(x.size() + 1, x.size() + 1);
+    if (by_theta != nullptr) by_theta->clear();
+    bool known = true;
+    each(theta, static_cast<int>(x.size()), [&](std::size_t i, const Vector& own, auto) {
+      Matrix part;
+      std::vector<Matrix> by_own;
+      known = known && parts_[i]->slopes(own, x, z, part, by_theta == nullptr ? nullptr : &by_own);
+      if (known) block += part;
+      if (known && by_theta != nullptr) by_theta->insert(by_theta->end(), by_own.begin(), by_own.end());
+    });
+    return known;
+  }
+  bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const override {
+    bool known = true;
+    each(theta, inputs,
+         [&](std::size_t i, const Vector& own, auto) { known = known && parts_[i]->terms(own, inputs, list); });
+    return known;
+  }
+  // The products of two parts have a simple form when one of them is affine in x, l_j(x) = l_j(mu) + b_j'(x - mu):
   //   cov(k_i, l_j) = cov(x, k_i)'b_j,  cov(x, k_i) = S g_i.
   bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
                KernelMoments& result) const override {
@@ -114,7 +136,11 @@ class Sum final : public Composite {
       known = known && parts_[i]->moments(part_theta, z, mu, s, own[i]);
       curved += is_affine(*parts_[i]) ? 0 : 1;
     });
-    if (!known || curved > 1) return false;
+    if (!known) return false;
+    if (curved > 1) {
+      std::vector<GaussianTerm> list;
+      return terms(theta, inputs(z), list) && moments_of(list, z, mu, s, result);
+    }
     result = own[0];
     for (std::size_t i = 1; i < own.size(); ++i) {
       // `result` holds the sum of the parts before.
@@ -185,8 +211,66 @@ class Product final : public Composite {
     return total;
   }
 
+  bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,
+              std::vector<Matrix>* by_theta) const override {
+    std::vector<Matrix> values(parts_.size());
+    std::vector<std::vector<Matrix>> by_own(parts_.size());
+    bool known = true;
+    each(theta, static_cast<int>(x.size()), [&](std::size_t i, const Vector& own, auto) {
+      known = known && parts_[i]->slopes(own, x, z, values[i], by_theta == nullptr ? nullptr : &by_own[i]);
+    });
+    if (!known) return false;
+    // The product with one of the blocks replaced by another.
+    const auto product = [&](std::size_t at, const Matrix& instead) {
+      Matrix result = at == 0 ? instead : values[0];
+      for (std::size_t i = 1; i < values.size(); ++i) result = multiplied(result, i == at ? instead : values[i]);
+      return result;
+    };
+    block = product(0, values[0]);
+    if (by_theta == nullptr) return true;
+    by_theta->clear();
+    for (std::size_t i = 0; i < by_own.size(); ++i) {
+      for (const Matrix& each_own : by_own[i]) by_theta->push_back(product(i, each_own));
+    }
+    return true;
+  }
+
+  bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const override {
+    std::vector<GaussianTerm> product{{1, Vector::Zero(inputs), {}}};
+    bool known = true;
+    each(theta, inputs, [&](std::size_t i, const Vector& own, auto) {
+      std::vector<GaussianTerm> part, next;
+      known = known && parts_[i]->terms(own, inputs, part);
+      for (const GaussianTerm& a : product) {
+        for (const GaussianTerm& b : part) {
+          next.push_back({a.c * b.c, a.w + b.w, a.factors});
+          next.back().factors.insert(next.back().factors.end(), b.factors.begin(), b.factors.end());
+        }
+      }
+      product = std::move(next);
+    });
+    list.insert(list.end(), product.begin(), product.end());
+    return known;
+  }
+  bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
+               KernelMoments& result) const override {
+    std::vector<GaussianTerm> list;
+    return terms(theta, inputs(z), list) && moments_of(list, z, mu, s, result);
+  }
+
  private:
   static int inputs(const Matrix& x) { return static_cast<int>(x.cols()); }
+  // The rule of products for [k, dk/dz'; dk/dx, d2k/dx dz'].
+  static Matrix multiplied(const Matrix& a, const Matrix& b) {
+    const Eigen::Index d = a.rows() - 1;
+    Matrix m(d + 1, d + 1);
+    m(0, 0) = a(0, 0) * b(0, 0);
+    m.row(0).tail(d) = a(0, 0) * b.row(0).tail(d) + b(0, 0) * a.row(0).tail(d);
+    m.col(0).tail(d) = a(0, 0) * b.col(0).tail(d) + b(0, 0) * a.col(0).tail(d);
+    m.bottomRightCorner(d, d) = a(0, 0) * b.bottomRightCorner(d, d) + b(0, 0) * a.bottomRightCorner(d, d) +
+                                a.col(0).tail(d) * b.row(0).tail(d) + b.col(0).tail(d) * a.row(0).tail(d);
+    return m;
+  }
 };
 
 }  // namespace

@@ -22,6 +22,8 @@ struct KernelMoments {
   double k = 0;       // E k(x, x)
 };
 
+struct GaussianTerm;  // gaussian_terms.h
+
 class Covariance {
  public:
   using Vector = Eigen::VectorXd;
@@ -51,6 +53,22 @@ class Covariance {
   virtual Matrix slope_covariance(const Vector& theta, const Vector& x) const {
     (void)theta, (void)x;
     return {};
+  }
+  // The covariances of value and slopes at x with value and slopes at z, (1 + D) x (1 + D) with the values first:
+  //   [k, dk/dz'; dk/dx, d2k/dx dz']
+  // and, unless `by_theta` is null, their derivatives by log theta_p. False: the functions have no slopes.
+  virtual bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,
+                      std::vector<Matrix>* by_theta) const {
+    (void)theta, (void)x, (void)z, (void)block, (void)by_theta;
+    return false;
+  }
+  // Of points with this many columns; and how often v0 stands on the diagonal at each point. See slopes.h.
+  virtual int inputs_of(Eigen::Index columns) const { return static_cast<int>(columns); }
+  virtual Vector noise_weight(const Matrix& x) const { return Vector::Ones(x.rows()); }
+  // The form as a sum of Gaussians times affine factors, added to `list`; false: it is none.
+  virtual bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const {
+    (void)theta, (void)inputs, (void)list;
+    return false;
   }
   // The moments in closed form over x ~ N(mu, s), with the points z; false: the form has none.
   virtual bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,

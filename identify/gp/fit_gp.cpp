@@ -62,9 +62,9 @@ Minimum maximise(const Covariance& covariance, MeanFunction mean, const MatrixXd
   return minimise(objective, start, how);
 }
 
-void warn_of_data(const MatrixXd& x, const VectorXd& y, std::vector<std::string>& warnings) {
+void warn_of_data(const MatrixXd& x, Index inputs, const VectorXd& y, std::vector<std::string>& warnings) {
   if (variance_of(y) == 0) warnings.emplace_back("All targets are equal, so nothing can be learned from them.");
-  for (Index d = 0; d < x.cols(); ++d) {
+  for (Index d = 0; d < inputs; ++d) {
     if ((x.col(d).array() == x(0, d)).all())
       warnings.push_back(fmt::format("Input {} is constant, so its weight is not determined.", d + 1));
   }
@@ -134,18 +134,22 @@ std::vector<GpOptimum> distinct(const std::vector<Minimum>& ends) {
 }  // namespace
 
 GpFit fit_gp(const MatrixXd& x, const VectorXd& y, const GpOptions& options, const FitControl& control) {
+  return fit_gp(find_covariance(options.covariance), x, y, options, control);
+}
+
+GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, const VectorXd& y,
+             const GpOptions& options, const FitControl& control) {
   check_data(x, y);
   if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
-  const auto covariance = find_covariance(options.covariance);
   const MeanFunction mean = find_mean_function(options.mean);
   FitReport report;
   report.method = fmt::format("maximum likelihood, {}",
                               options.method == Descent::quasi_newton ? "quasi-Newton" : "conjugate gradients");
   report.samples = y.size();
-  report.parameters = covariance->count(static_cast<int>(x.cols())) + 1;
+  report.parameters = covariance->count(covariance->inputs_of(x.cols())) + 1;
   report.seed = options.seed;
   report.options = {fmt::format("covariance {}", covariance->name()), fmt::format("mean {}", options.mean)};
-  warn_of_data(x, y, report.warnings);
+  warn_of_data(x, covariance->inputs_of(x.cols()), y, report.warnings);
 
   const VectorXd guess = first_guess(*covariance, x, y);
   if (!guess.allFinite()) fail("the numbers of the data are too large or too small; normalise them first");

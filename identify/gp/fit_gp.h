@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,13 @@ struct GpFit {
   std::vector<GpOptimum> optima;  // the different ones, best first
 };
 
-// x: N x D, y: N. Maximises the log marginal likelihood over the logarithms of theta and v0. Throws IdentifyError.
+// x: N x D (of a covariance with_slopes: N x (D + 2)), y: N. Maximises the log marginal likelihood over the logarithms
+// of theta and v0. Throws IdentifyError.
 GpFit fit_gp(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const GpOptions& options = {},
              const FitControl& control = {});
+// With this covariance instead of the options'.
+GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const Eigen::MatrixXd& x, const Eigen::VectorXd& y,
+             const GpOptions& options = {}, const FitControl& control = {});
 
 // Means and variances (with noise) of contiguous folds, each predicted from the others: fold i holds rows with
 // floor(i k/n). `refit`: with hyperparameters of its own, started at those of `model`; else with those of `model`.

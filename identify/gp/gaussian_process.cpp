@@ -82,7 +82,8 @@ Likelihood log_likelihood(const Covariance& covariance, MeanFunction mean, const
   Likelihood result{-std::numeric_limits<double>::infinity(), VectorXd::Zero(p + 1)};
   const MatrixXd values = covariance.lower(at.theta, x);
   MatrixXd factor = values;
-  factor.diagonal().array() += at.v0;
+  const VectorXd noise = covariance.noise_weight(x);
+  factor.diagonal() += at.v0 * noise;
   if (!factorise(factor)) return result;
   const VectorXd r = residual(mean, fit_mean(mean, factor, x, y), x, y);
   const VectorXd alpha = solved(factor, r);
@@ -95,7 +96,7 @@ Likelihood log_likelihood(const Covariance& covariance, MeanFunction mean, const
     column = 0.5 * (alpha[j] * alpha.tail(r.size() - j) - column);
   }
   result.gradient.head(p) = covariance.gradient(at.theta, x, values, factor);
-  result.gradient[p] = at.v0 * factor.diagonal().sum();
+  result.gradient[p] = at.v0 * factor.diagonal().dot(noise);
   return result;
 }
 
@@ -119,7 +120,7 @@ GaussianProcess::GaussianProcess(std::shared_ptr<const Covariance> covariance, M
   if (!(hyperparameters_.v0 >= 0) || !std::isfinite(hyperparameters_.v0))
     fail("the noise variance v0 is {:g}; it must be 0 or greater", hyperparameters_.v0);
   MatrixXd k = covariance_->lower(theta, x_);
-  k.diagonal().array() += hyperparameters_.v0;
+  k.diagonal() += hyperparameters_.v0 * covariance_->noise_weight(x_);
   const double scale = k.diagonal().mean();
   for (double jitter = 0; jitter <= 1.1e-4; jitter = jitter == 0 ? 1e-12 : 10 * jitter) {
     jitter_ = jitter * scale;

@@ -75,7 +75,7 @@ class GaussianProcess {
   const Eigen::VectorXd& alpha() const { return alpha_; }    // K^-1 (y - mean)
   const Eigen::MatrixXd& factor() const { return factor_; }  // L in its lower triangle
   double jitter() const { return jitter_; }
-  int inputs() const { return static_cast<int>(x_.cols()); }
+  int inputs() const { return covariance_->inputs_of(x_.cols()); }
   int size() const { return static_cast<int>(x_.rows()); }
 
  private:

@@ -9,6 +9,7 @@
 #include "identify/approximator.h"
 #include "identify/gp/fit_gp.h"
 #include "identify/gp/propagate.h"
+#include "identify/gp/slopes.h"
 #include "identify/narx/narx.h"
 #include "identify/scaling.h"
 
@@ -53,11 +54,14 @@ struct GpMapFit {
 
 // Normalises, and fits a process for each output. From more than `most` rows those are taken that lie far from each
 // other. X: N x D, Y: N x outputs. Raises IdentifyError.
+// `observations`: what else is known of each output, or none.
 GpMapFit fit_gp_map(const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y, const GpOptions& options = {}, int most = 1000,
-                    const FitControl& control = {});
-// The same for regressors of data.
+                    const FitControl& control = {}, const std::vector<std::vector<Observation>>& observations = {});
+// The same for regressors of data; `local_models` are linear models about their operating points, which stand for
+// observations_of() them (J. Kocijan, D. Leith 2004; K. Azman, J. Kocijan 2007).
 NarxModel fit_narx_gp(const DataSet& data, const RegressorSet& regressors, const GpOptions& options = {},
-                      int most = 1000, const FitControl& control = {});
+                      int most = 1000, const FitControl& control = {},
+                      const std::vector<PolynomialModel>& local_models = {});
 
 // The free run of a model that knows how uncertain it is, one sample after the other. The state holds mean and
 // covariance of the last outputs, newest first: `depth` numbers and depth x depth.

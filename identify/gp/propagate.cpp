@@ -52,14 +52,17 @@ Propagation find_propagation(const std::string& name) {
 
 Propagator::Propagator(const GaussianProcess& model, Propagation method) : model_(model), method_(method) {
   if (method != Propagation::moment_matching) return;
+  if (model.x().cols() > model.inputs())
+    fail("moment matching is for observed values, this model has observed slopes too; first_order works with both");
   KernelMoments moments;
-  const VectorXd mu = model.x().row(0).transpose();
+  const VectorXd mu = model.x().row(0).head(model.inputs()).transpose();
   const MatrixXd none = MatrixXd::Zero(model.inputs(), model.inputs());
   if (!model.covariance().moments(model.hyperparameters().theta, model.x().topRows(1), mu, none, moments))
-    throw IdentifyError(
-        fmt::format("moment matching has a closed form for se_ard, linear and se_ard + linear only, not for '{}'; "
-                    "first_order works with every covariance",
-                    model.covariance().name()));
+    throw IdentifyError(fmt::format(
+        "moment matching has a closed form for sums and products of se_ard and linear, at most two linear in a "
+        "product, not for '{}'; "
+        "first_order works with every covariance",
+        model.covariance().name()));
   whitened_ = model.factor().triangularView<Eigen::Lower>().transpose() * model.alpha();
   // Columns cost as much as the matrix itself where there are some hundred points: then a few must do.
   const double points = model.size();

@@ -138,4 +138,41 @@ MatrixXd Stationary::slope_covariance(const VectorXd& theta, const VectorXd& x) 
   return (-2 * theta[d] * m[0] * theta.head(d)).asDiagonal();
 }
 
+// With r = x - z and s = sum w r^2:
+//   dk/dz_e = -2 v1 f' w_e r_e = -dk/dx_e,   d2k/dx_d dz_e = -v1 (4 f'' w_d r_d w_e r_e + 2 f' w_d [d = e]).
+bool Stationary::slopes(const VectorXd& theta, const VectorXd& x, const VectorXd& z, MatrixXd& block,
+                        std::vector<MatrixXd>* by_theta) const {
+  const Index d = x.size();
+  const VectorXd w = theta.head(d), r = x - z, wr = w.cwiseProduct(r);
+  const double v1 = theta[d];
+  Series f;
+  std::vector<Series> by_own(static_cast<std::size_t>(theta.size() - d - 1));
+  if (!series(theta.tail(theta.size() - d - 1), wr.dot(r), f, by_own)) return false;
+  const auto blocks = [&](const Series& of) {
+    MatrixXd m(d + 1, d + 1);
+    m(0, 0) = v1 * of.f;
+    m.row(0).tail(d) = -2 * v1 * of.f1 * wr.transpose();
+    m.col(0).tail(d) = 2 * v1 * of.f1 * wr;
+    m.bottomRightCorner(d, d) = -4 * v1 * of.f2 * wr * wr.transpose();
+    m.bottomRightCorner(d, d).diagonal() -= 2 * v1 * of.f1 * w;
+    return m;
+  };
+  block = blocks(f);
+  if (by_theta == nullptr) return true;
+  by_theta->clear();
+  for (Index c = 0; c < d; ++c) {
+    // By log w_c: through s, ds = w_c r_c^2, and where w_c stands itself.
+    MatrixXd m = wr[c] * r[c] * blocks({f.f1, f.f2, f.f3, 0});
+    m(0, c + 1) -= 2 * v1 * f.f1 * wr[c];
+    m(c + 1, 0) += 2 * v1 * f.f1 * wr[c];
+    m.row(c + 1).tail(d) -= 4 * v1 * f.f2 * wr[c] * wr.transpose();
+    m.col(c + 1).tail(d) -= 4 * v1 * f.f2 * wr[c] * wr;
+    m(c + 1, c + 1) -= 2 * v1 * f.f1 * w[c];
+    by_theta->push_back(std::move(m));
+  }
+  by_theta->push_back(block);
+  for (const Series& own : by_own) by_theta->push_back(blocks(own));
+  return true;
+}
+
 }  // namespace plantloop::identify

@@ -23,8 +23,20 @@ class Stationary : public Covariance {
   Vector gradient(const Vector& theta, const Matrix& x, const Matrix& values, const Matrix& weight) const final;
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const final;
   Matrix slope_covariance(const Vector& theta, const Vector& x) const override;
+  bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,
+              std::vector<Matrix>* by_theta) const final;
 
  protected:
+  // f and its derivatives by s up to the third. Those that grow beyond all bounds at s = 0, but not so that products
+  // with the distances do, are 0 there.
+  struct Series {
+    double f = 0, f1 = 0, f2 = 0, f3 = 0;
+  };
+  // False: functions of this form have no slopes. `by_own` gets d f/d log own_p, of which f3 is not needed.
+  virtual bool series(const Vector& own, double s, Series& f, std::vector<Series>& by_own) const {
+    (void)own, (void)s, (void)f, (void)by_own;
+    return false;
+  }
   // Replaces s by f(s). `own` are the hyperparameters of the form.
   virtual void shape(const Vector& own, Eigen::Ref<Array> s) const = 0;
   // df/ds from s and f.

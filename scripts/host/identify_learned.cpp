@@ -138,18 +138,38 @@ int local_models(lua_State* L) {
   return 1;
 }
 
+// One linear model or a list of them.
+std::vector<identify::PolynomialModel> local_models_of(lua_State* L, const Options& o) {
+  std::vector<identify::PolynomialModel> list;
+  if (!o.push("local_models")) return list;
+  const auto take = [&](int index) {
+    list.push_back(held_argument<identify::PolynomialModel>(L, index, linear_kind, "local_models"));
+  };
+  if (lua_istable(L, -1)) {
+    for (lua_Integer i = 1; i <= luaL_len(L, -1); ++i) {
+      lua_rawgeti(L, -1, i);
+      take(-1);
+      lua_pop(L, 1);
+    }
+  } else {
+    take(-1);
+  }
+  lua_pop(L, 1);
+  return list;
+}
+
 int gaussian_process(lua_State* L) {
   const DataSet& data = data_argument(L, 1);
   const Options o(L, 2, "the options of gaussian_process",
-                  {"regressors", "covariance", "mean", "starts", "iterations", "points", "seed"});
+                  {"regressors", "covariance", "mean", "starts", "iterations", "points", "seed", "local_models"});
   identify::GpOptions g;
   if (o.has("covariance")) g.covariance = o.text("covariance");
   if (o.has("mean")) g.mean = o.text("mean");
   g.starts = integer(o, "starts", g.starts);
   g.max_iterations = integer(o, "iterations", g.max_iterations);
   g.seed = seed_of(o);
-  push_learned_model(L,
-                     identify::fit_narx_gp(data, regressors_of(o, data), g, integer(o, "points", 1000), control_of(L)));
+  push_learned_model(L, identify::fit_narx_gp(data, regressors_of(o, data), g, integer(o, "points", 1000),
+                                              control_of(L), local_models_of(L, o)));
   return 1;
 }
 
@@ -359,10 +379,11 @@ Entries identify_learned_functions() {
        "variable, which are numbers of regressors"},
       {"gaussian_process", guarded<gaussian_process>,
        "data: pl.DataSet, options: {regressors: string, covariance?: string, mean?: \"zero\"|\"constant\"|\"linear\", "
-       "starts?: integer, iterations?: integer, points?: integer, seed?: integer}",
+       "starts?: integer, iterations?: integer, points?: integer, seed?: integer, local_models?: "
+       "pl.LinearModel|pl.LinearModel[]}",
        "pl.LearnedModel",
        "a Gaussian process by maximum likelihood, for each output; from more rows than `points` the most spread ones "
-       "are taken"},
+       "are taken; local_models: linear models at operating points, whose values at rest and slopes are observed too"},
   };
 }
 

@@ -94,6 +94,20 @@ TEST_F(Identification, TrainsNetworksOnThroughTime) {
             "true\ttrue");
 }
 
+TEST_F(Identification, TakesLinearModelsIntoAGaussianProcess) {
+  EXPECT_EQ(with_data("local noisy = identify.data{u = u, y = y + identify.white_noise{samples = #y, deviation = 0.01, "
+                      "seed = 3}, Ts = 0.1, inputs = {'u'}, outputs = {'level'}}\n"
+                      "local linear = identify.arx(noisy, {na = 1, nb = 1, remove_means = true})\n"
+                      "local how = {regressors = 'level(k-1), u(k-1)', starts = 1, local_models = {linear}}\n"
+                      "local m = identify.gaussian_process(noisy:part(1, 20), how)\n"
+                      "m:save 'local.yaml'\n"
+                      "print(identify.load('local.yaml'):simulate(noisy) == m:simulate(noisy))"),
+            "true");
+  EXPECT_THAT(complaint("local d = pl.identify.data{u = pl.linspace(0, 1, 20), y = pl.linspace(0, 1, 20)^2, Ts = 1}\n"
+                        "pl.identify.gaussian_process(d, {regressors = 'y(k-1)', local_models = {3}})"),
+              HasSubstr("'local_models' must be a linear model, it is 3"));
+}
+
 TEST_F(Identification, FitsModelsOfTheNoise) {
   const std::string plant =
       "local v = identify.white_noise{samples = #y, deviation = 0.1, seed = 3}\n"

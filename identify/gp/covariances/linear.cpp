@@ -1,5 +1,6 @@
 // Straight lines and planes.
 
+#include "identify/gp/gaussian_terms.h"
 #include "identify/gp/stationary.h"
 
 namespace plantloop::identify {
@@ -45,6 +46,10 @@ class Linear final : public Covariance {
   Matrix slope_covariance(const Vector& theta, const Vector& x) const override {
     return theta.head(x.size()).asDiagonal();
   }
+  bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const override {
+    list.push_back({1, Vector::Zero(inputs), {{theta.head(inputs), theta[inputs]}}});
+    return true;
+  }
   // k_i is affine in x, so its moments are those of x.
   bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
                KernelMoments& result) const override {
@@ -53,6 +58,27 @@ class Linear final : public Covariance {
     result.q = ((result.g * mu).array() + theta[d]).matrix();
     result.C = result.g * s * result.g.transpose();
     result.k = theta[d] + theta.head(d).dot(Vector(mu.array().square().matrix() + s.diagonal()));
+    return true;
+  }
+  bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,
+              std::vector<Matrix>* by_theta) const override {
+    const Eigen::Index d = x.size();
+    const Vector a = theta.head(d);
+    block = Matrix::Zero(d + 1, d + 1);
+    block(0, 0) = theta[d] + (a.array() * x.array() * z.array()).sum();
+    block.row(0).tail(d) = a.cwiseProduct(x).transpose();
+    block.col(0).tail(d) = a.cwiseProduct(z);
+    block.bottomRightCorner(d, d) = a.asDiagonal();
+    if (by_theta == nullptr) return true;
+    by_theta->assign(static_cast<std::size_t>(d + 1), Matrix::Zero(d + 1, d + 1));
+    for (Eigen::Index c = 0; c < d; ++c) {
+      Matrix& m = (*by_theta)[static_cast<std::size_t>(c)];
+      m(0, 0) = a[c] * x[c] * z[c];
+      m(0, c + 1) = a[c] * x[c];
+      m(c + 1, 0) = a[c] * z[c];
+      m(c + 1, c + 1) = a[c];
+    }
+    by_theta->back()(0, 0) = theta[d];
     return true;
   }
 };

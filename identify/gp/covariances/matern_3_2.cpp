@@ -21,6 +21,11 @@ class Matern32 final : public Stationary {
              Eigen::Ref<Array> result) const override {
     result = -1.5 * (-(3 * s).sqrt()).exp();
   }
+  bool series(const Vector&, double s, Series& f, std::vector<Series>&) const override {
+    const double a = std::sqrt(3 * s), e = std::exp(-a);
+    f = {(1 + a) * e, -1.5 * e, a > 0 ? 2.25 * e / a : 0, a > 0 ? -27.0 / 8 * e * (1 + a) / (a * a * a) : 0};
+    return true;
+  }
 };
 
 }  // namespace

@@ -22,6 +22,11 @@ class Matern52 final : public Stationary {
     result = (5 * s).sqrt();
     result = -5.0 / 6 * (1 + result) * (-result).exp();
   }
+  bool series(const Vector&, double s, Series& f, std::vector<Series>&) const override {
+    const double a = std::sqrt(5 * s), e = std::exp(-a);
+    f = {(1 + a + a * a / 3) * e, -5.0 / 6 * (1 + a) * e, 25.0 / 12 * e, a > 0 ? -125.0 / 24 * e / a : 0};
+    return true;
+  }
 };
 
 }  // namespace

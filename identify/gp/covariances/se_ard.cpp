@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "identify/gp/gaussian_terms.h"
 #include "identify/gp/stationary.h"
 
 namespace plantloop::identify {
@@ -52,6 +53,11 @@ class SquaredExponential final : public Stationary {
     return true;
   }
 
+  bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const override {
+    list.push_back({theta[inputs], theta.head(inputs), {}});
+    return true;
+  }
+
  protected:
   void shape(const Vector&, Eigen::Ref<Array> s) const override { s = (-0.5 * s).exp(); }
   void slope(const Vector&, const Eigen::Ref<const Array>&, const Eigen::Ref<const Array>& f,
@@ -59,6 +65,11 @@ class SquaredExponential final : public Stationary {
     result = -0.5 * f;
   }
   bool slope_reads_distance() const override { return false; }
+  bool series(const Vector&, double s, Series& f, std::vector<Series>&) const override {
+    const double e = std::exp(-0.5 * s);
+    f = {e, -0.5 * e, 0.25 * e, -0.125 * e};
+    return true;
+  }
 };
 
 }  // namespace

@@ -71,7 +71,9 @@ UncertainPoint point_with(double s11, double s12, double s22) {
 }
 
 TEST(MomentMatching, AgreesWithQuadrature) {
-  for (const char* covariance : {"se_ard", "linear", "se_ard + linear", "linear + se_ard + linear"}) {
+  for (const char* covariance : {"se_ard", "linear", "se_ard + linear", "linear + se_ard + linear", "se_ard + se_ard",
+                                 "se_ard*se_ard", "se_ard*linear", "se_ard*linear + se_ard*se_ard + linear",
+                                 "linear*linear*se_ard", "linear*(se_ard + linear)"}) {
     for (const MeanFunction mean : {MeanFunction::zero, MeanFunction::constant, MeanFunction::linear}) {
       const GaussianProcess model = model_of(covariance, mean);
       const Propagator propagator(model, Propagation::moment_matching);
@@ -155,11 +157,15 @@ TEST(Propagation, SaysWhichCovariancesHaveAClosedForm) {
     const Propagator propagator(model, Propagation::moment_matching);
     FAIL();
   } catch (const IdentifyError& error) {
-    EXPECT_STREQ(error.what(),
-                 "moment matching has a closed form for se_ard, linear and se_ard + linear only, not for 'matern_3_2'; "
-                 "first_order works "
-                 "with every covariance");
+    EXPECT_STREQ(
+        error.what(),
+        "moment matching has a closed form for sums and products of se_ard and linear, at most two linear in a "
+        "product, not for 'matern_3_2'; first_order works with every covariance");
   }
+  EXPECT_THROW(Propagator(model_of("linear*linear*linear", MeanFunction::zero), Propagation::moment_matching),
+               IdentifyError);
+  EXPECT_THROW(Propagator(model_of("se_ard*periodic", MeanFunction::zero), Propagation::moment_matching),
+               IdentifyError);
   try {
     find_propagation("exact");
     FAIL();
