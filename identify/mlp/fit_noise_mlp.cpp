@@ -144,6 +144,8 @@ NarxMlpFit fit_with_noise(const DataSet& data, const RegressorSet& regressors, c
   report.method = fmt::format("{}, prediction error method with a noise model", name_of(how.method));
   report.parameters = training.parameters();
   report.samples = training.targets();
+  if (options.nc > 0) report.options.push_back(fmt::format("nc {}", options.nc));
+  if (options.nd > 0) report.options.push_back(fmt::format("nd {}", options.nd));
   std::size_t best = 0;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto end = static_cast<int>(i) / kinds + 1;
