@@ -88,9 +88,10 @@ class Kernel {
   }
 };
 
-// Two instants that mean the same one: they were computed in different ways.
+// Two instants that mean the same one: they were computed in different ways. Never is no instant.
 inline bool is_same_instant(double a, double b) {
-  return std::fabs(a - b) <= 16 * std::numeric_limits<double>::epsilon() * std::fmax(1.0, std::fabs(a));
+  constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
+  return std::fabs(a - b) <= rounding * std::fmax(1.0, std::fmin(std::fabs(a), std::fabs(b)));
 }
 
 // A kernel's use inside a record: which nodes feed `evaluate` and which only `advance`.

@@ -81,7 +81,7 @@ Clockwork::Clockwork(Frame& frame, double start, double stop) : frame_(frame), s
   }
   hit_times_.assign(program.rates.size(), never);
   for (std::size_t r = 1; r < hit_times_.size(); ++r) {
-    if (!program.rates[r].triggered) hit_times_[r] = hit_time(r);
+    hit_times_[r] = hit_time(r);
   }
   for (std::size_t s = 0; s < instants_.size(); ++s) instant_times_.push_back(instant(s));
   find_next();
@@ -96,6 +96,7 @@ void Clockwork::resume() {
 
 double Clockwork::hit_time(std::size_t rate) const {
   const RecordedRate& r = frame_.program->rates[rate];
+  if (r.triggered) return never;  // its hits are events
   const std::int64_t k = frame_.next_hit[rate];
   if (r.offset.is_zero()) return r.period.at(k);
   // offset + k period as one rational, rounded once; should it not fit, the parts are rounded.

@@ -481,6 +481,7 @@ void Events::event(bool located) {
   kernels_.broken_by(run_.t);
   const std::int64_t mode_changes = run_.statistics.mode_changes;
   take_holds(before_event_);
+  run_.restart = false;  // what an earlier event at this instant asked for makes no kinks now
   const Mask bits = settle_events(located ? fired_ : std::vector<int>{}, event_bit);
   run_.triggered = bits & ~event_bit;
   run_.accept_loops();

@@ -11,6 +11,10 @@ namespace plantloop {
 
 namespace {
 
+// Kinks of higher derivatives are left to the error control: each pass through a loop of several delays brings more of
+// them than the one before.
+constexpr int finest_kink = 6;
+
 // A polynomial through so many parts of a step is as good as the solver's dense output.
 int parts_of_steps(int solver_order) { return std::max(6, solver_order); }
 
@@ -112,7 +116,7 @@ int KernelAdvance::order_at(const Program::KernelState& kernel, int order) const
   for (const Smoothed& source : kernel.sources) {
     if (source.kernel < came_out_.size()) order = std::min(order, came_out_[source.kernel] + source.integrations);
   }
-  return order <= solver_order_ ? order : Break::smooth;
+  return order <= std::min(solver_order_, finest_kink) ? order : Break::smooth;
 }
 
 double KernelAdvance::longest_step() {

@@ -131,6 +131,32 @@ simulation: {stop: 6}
   }
 }
 
+// What has hits at events only has none when a run goes on, and goes on to count those that it had.
+TEST(S14EveryCondition, GoesOnFromACheckpointToTheLastBit) {
+  for (const std::string condition :
+       {"trigger: {when: \"cos(4.1*time)\"}", "trigger: {when: \"cos(4.1*time)\", edge: falling}",
+        "trigger: {when: \"cos(4.1*time)\", edge: either}", "enable: {when: \"cos(4.1*time) > 0\", initial: 0}"}) {
+    SCOPED_TRACE(condition);
+    const std::string text = R"(
+blocks:
+  x: {type: integrator, in: cos(3*time), initial: 1}
+  a: {type: discrete_integrator, in: x, RATE CONDITION}
+  b: {type: lag_of, in: x, CONDITION}
+simulation: {stop: 6}
+)";
+    std::string whole = text;
+    const bool triggered = condition.starts_with("trigger");
+    const auto put = [&](const std::string& name, const std::string& with) {
+      for (std::size_t at; (at = whole.find(name)) != std::string::npos;) whole.replace(at, name.size(), with);
+    };
+    put("CONDITION", condition);
+    put("RATE ", triggered ? "" : "rate: 0.1, ");
+    put("lag_of", triggered ? "discrete_integrator" : "first_order");
+    expect_exact(whole, {}, 3, 6);
+    expect_exact(whole, {}, 2.217, 6);
+  }
+}
+
 // States that a Zeno policy holds at the save point are still held by the run that goes on.
 TEST(S14Checkpoint, KeepsWhatAZenoPolicyHolds) {
   const std::string text = R"(

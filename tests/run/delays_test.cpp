@@ -379,5 +379,35 @@ TEST(S13Delays, OneAfterTheOtherKeepTheOrderOfAKink) {
   }
 }
 
+// Two delays in one loop, one of them varying: each pass makes a kink one order smoother, so those that steps must end
+// at come to an end, and all solvers find the same. Until 1.2 s both read x = 1 - 0.35 t.
+TEST(S13Delays, OfTwoKindsInOneLoopComeToRest) {
+  const std::string text = R"(
+blocks:
+  d: {type: transport_delay, in: x, delay: 0.77, initial: 0.5}
+  vd: {type: variable_delay, in: {u: x, delay: 0.5 + 0.3*sin(time)}, shortest: 0.2, longest: 1, initial: 0}
+  x: {type: integrator, in: -0.7*d - 0.3*vd, initial: 1}
+simulation: {stop: 10}
+record: [x]
+)";
+  double first = 0.7;  // where t = 0.5 + 0.3 sin t
+  for (int i = 0; i < 100; ++i) first = 0.5 + 0.3 * std::sin(first);
+  // The integrals of x(t - 0.5 - 0.3 sin t) and of x(t - 0.77).
+  const auto varying = [](double t) { return t - 0.35 * (0.5 * t * t - 0.5 * t + 0.3 * std::cos(t)); };
+  const auto fixed = [](double t) { return t - 0.35 * (0.5 * t * t - 0.77 * t); };
+  const double at_1_2 = 1 - 0.35 * 0.77 - 0.3 * (varying(1.2) - varying(first)) - 0.7 * (fixed(1.2) - fixed(0.77));
+  double end = 0;
+  for (const std::string& solver : adaptive_solvers) {
+    const RunRequest request{.rtol = 1e-10, .atol = 1e-13, .solver = solver};
+    RunRequest early = request;
+    early.stop = 1.2;
+    EXPECT_NEAR(run(text, early).column("x").back(), at_1_2, 1e-9) << solver;
+    const Signals r = run(text, request);
+    if (solver == "dopri5") end = r.column("x").back();
+    EXPECT_NEAR(r.column("x").back(), end, 2e-9) << solver;
+    EXPECT_LT(r.whole().statistics.events, 150) << solver;
+  }
+}
+
 }  // namespace
 }  // namespace plantloop::testing_diagrams
