@@ -125,6 +125,15 @@ bool read_checkpoint(const std::string& path, RunControl& control) {
   return true;
 }
 
+// Of a run that failed or was stopped: beside the place of the result, which stays as it was.
+void keep_what_there_is(const Recording& recording, const std::string& out) {
+  if (out.empty() || out == "-" || recording.rows() == 0) return;
+  std::filesystem::path path(out);
+  path.replace_filename(path.stem().string() + ".partial" + path.extension().string());
+  if (write_result(path.string(), bytes_of(recording, out)))
+    fmt::print(stderr, "plantloop: what was recorded until then is in '{}'\n", path.string());
+}
+
 int run_diagram(const RunOptions& o) {
   RunRequest request;
   if (!read_overrides(o.set, request.set) || !check_paths(o)) return input_wrong;
@@ -160,12 +169,14 @@ int run_diagram(const RunOptions& o) {
   control.time_limit = o.max_time;
   control.progress = [&progress](double fraction) { progress(fraction); };
   std::optional<DiagramRun> run;
+  DiagramRun so_far;
   try {
-    run = diagram->run(request, report, control);
+    run = diagram->run(request, report, control, &so_far);
   } catch (const RunError& e) {
     progress.clear();
     print(report);
     complain(e.what());
+    keep_what_there_is(so_far.recording, o.out);
     return run_failed;
   }
   progress.clear();

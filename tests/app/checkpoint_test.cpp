@@ -1,4 +1,5 @@
-// S14 at the command line: save points, runs that go on, forks, and checkpoints that do not fit.
+// S14 at the command line: save points, runs that go on, forks, and checkpoints that do not fit; what a failed run
+// leaves.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -126,6 +127,27 @@ TEST_F(S14Checkpoint, ThatIsNotThereOrTooLateIsAnError) {
   EXPECT_EQ(complaint("--stop 1"), "error: the run stops at 1 s, which is not after the checkpoint's time, 1 s\n");
   EXPECT_THAT(complaint("--save-at 0.5 --save x.json"),
               HasSubstr("error: the save point 0.5 s lies outside of the run, which goes from 1 s to 2 s"));
+}
+
+// The result that stood there before stays.
+TEST(RunCommand, KeepsWhatAFailedRunRecorded) {
+  Workplace place;
+  place.write("fails.yaml",
+              "plantloop: 1\n"
+              "blocks:\n"
+              "  x: {type: integrator, in: 1}\n"
+              "  limit: {type: assertion, in: 1.5 - x, message: too high}\n"
+              "simulation: {stop: 10, max_step: 0.25}\nrecord: [x]\n");
+  place.write("result.csv", "before\n");
+  const Outcome o = place.run("run fails.yaml --out result.csv");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_THAT(o.err, HasSubstr("what was recorded until then is in 'result.partial.csv'"));
+  EXPECT_EQ(place.read("result.csv"), "before\n");
+  const std::string rows = place.read("result.partial.csv");
+  EXPECT_THAT(rows, StartsWith("time,x\n0,0\n"));
+  // The last row is where the assertion failed.
+  const std::string last = rows.substr(rows.rfind('\n', rows.size() - 2) + 1);
+  EXPECT_NEAR(std::stod(last), 1.5, 1e-9);
 }
 
 }  // namespace
