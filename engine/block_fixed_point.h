@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/block.h"
+#include "engine/block_algebra.h"
 
 namespace plantloop {
 
@@ -36,6 +37,26 @@ struct IntegerRules {
     if (overflow.is("saturate")) return min(max(code, Array(least)), Array(greatest));
     return mod(code - least, Array(greatest - least + 1)) + least;
   }
+};
+
+// The range of a converter, in the unit of its signal, and the codes 0 to 2^bits - 1 that fill it.
+struct ConverterRange {
+  explicit ConverterRange(Block* block)
+      : bits(block, "bits", {.init = 12, .doc = "length of the code", .min = 1, .max = 32}),
+        lower(block, "lower", {.init = 0, .doc = "what the code 0 stands for"}),
+        upper(block, "upper", {.init = 1, .doc = "the upper end of the range"}),
+        span(block, "span", {.of = {"ends", "steps"}, .doc = "whether 2^bits - 1 or 2^bits steps fill the range"}) {}
+  Count bits;
+  Number lower, upper;
+  Choice span;
+
+  void check(Checking& checking) const { check_order(checking, lower, upper, true); }
+  double last() const { return std::ldexp(1.0, bits.value()) - 1; }
+  Array step(Now now) const { return (now[upper] - now[lower]) / (span.is("ends") ? last() : last() + 1); }
+  // How many steps a signal is above the lower end; and the signal of a code.
+  Array steps_to(Now now, const Array& u) const { return (u - now[lower]) / step(now); }
+  Array value_of(Now now, const Array& code) const { return now[lower] + step(now) * code; }
+  Array clip(const Array& code) const { return min(max(code, Array(0.0)), Array(last())); }
 };
 
 }  // namespace plantloop

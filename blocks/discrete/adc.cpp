@@ -1,9 +1,7 @@
 // An analogue-to-digital converter.
 
-#include <cmath>
-
 #include "engine/block.h"
-#include "engine/block_algebra.h"
+#include "engine/block_fixed_point.h"
 
 namespace plantloop {
 namespace {
@@ -27,24 +25,18 @@ expect:
 )";
 
   Input u{this, "u", {.doc = "the signal, in its own unit"}};
-  Count bits{this, "bits", {.init = 12, .doc = "length of the code", .min = 1, .max = 32}};
-  Number lower{this, "lower", {.init = 0, .doc = "what the code 0 stands for"}};
-  Number upper{this, "upper", {.init = 1, .doc = "the upper end of the range"}};
-  Choice span{this, "span", {.of = {"ends", "steps"}, .doc = "whether 2^bits - 1 or 2^bits steps fill the range"}};
+  ConverterRange range{this};
   Choice rounding{this, "rounding", {.of = {"nearest", "floor"}, .doc = "to the nearest code, or to the one below"}};
   Output y{this, "y", {.doc = "what was read, in the unit of the signal"}};
   Output code{this, "code", {.doc = "the code, a whole number"}};
 
   RateKind rate_kind() const override { return RateKind::discrete; }
-  void check(Checking& checking) const override { check_order(checking, lower, upper, true); }
+  void check(Checking& checking) const override { range.check(checking); }
   void outputs(Now now, Out out) const override {
-    const double last = std::ldexp(1.0, bits.value()) - 1;
-    const Array step = (now[upper] - now[lower]) / (span.is("ends") ? last : last + 1);
-    const Array steps = (now[u] - now[lower]) / step;
-    const Array whole = rounding.is("floor") ? floor(steps) : round(steps);
-    const Array clipped = min(max(whole, Array(0.0)), Array(last));
-    out[code] = clipped;
-    out[y] = now[lower] + step * clipped;
+    const Array steps = range.steps_to(now, now[u]);
+    const Array whole = range.clip(rounding.is("floor") ? floor(steps) : round(steps));
+    out[code] = whole;
+    out[y] = range.value_of(now, whole);
   }
 };
 

@@ -1,9 +1,7 @@
 // A digital-to-analogue converter.
 
-#include <cmath>
-
 #include "engine/block.h"
-#include "engine/block_algebra.h"
+#include "engine/block_fixed_point.h"
 
 namespace plantloop {
 namespace {
@@ -28,23 +26,17 @@ expect:
 )";
 
   Input u{this, "u", {.doc = "what is to be given out"}};
-  Count bits{this, "bits", {.init = 12, .doc = "length of the code", .min = 1, .max = 32}};
-  Number lower{this, "lower", {.init = 0, .doc = "what the code 0 gives"}};
-  Number upper{this, "upper", {.init = 1, .doc = "the upper end of the range"}};
-  Choice span{this, "span", {.of = {"ends", "steps"}, .doc = "whether 2^bits - 1 or 2^bits steps fill the range"}};
+  ConverterRange range{this};
   Choice takes{this, "takes", {.of = {"value", "code"}, .doc = "what the input is"}};
   Output y{this, "y", {.doc = "the signal"}};
   Output code{this, "code", {.doc = "the code, a whole number"}};
 
   RateKind rate_kind() const override { return RateKind::discrete; }
-  void check(Checking& checking) const override { check_order(checking, lower, upper, true); }
+  void check(Checking& checking) const override { range.check(checking); }
   void outputs(Now now, Out out) const override {
-    const double last = std::ldexp(1.0, bits.value()) - 1;
-    const Array step = (now[upper] - now[lower]) / (span.is("ends") ? last : last + 1);
-    const Array whole = round(takes.is("code") ? now[u] : (now[u] - now[lower]) / step);
-    const Array clipped = min(max(whole, Array(0.0)), Array(last));
-    out[code] = clipped;
-    out[y] = now[lower] + step * clipped;
+    const Array whole = range.clip(round(takes.is("code") ? now[u] : range.steps_to(now, now[u])));
+    out[code] = whole;
+    out[y] = range.value_of(now, whole);
   }
 };
 
