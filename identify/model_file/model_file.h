@@ -29,6 +29,8 @@ Item read_model_file(std::string_view text, const std::string& name);
 // What a model says about the data it was made of: hash, samples, missing values, experiments, sampling time, signals
 // with units.
 Item data_item(const DataSet& data);
+// Of a model made by hand: sampling time and signals alone.
+Item channels_item(double Ts, const std::vector<Channel>& inputs, const std::vector<Channel>& outputs);
 // The signals of such an item, and the sampling time: a data set without experiments.
 DataSet channels_of(const Item& data);
 

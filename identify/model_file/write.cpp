@@ -143,6 +143,10 @@ std::string to_yaml(std::string_view type, const Item& content) {
   return writer.text;
 }
 
+Item channels_item(double Ts, const std::vector<Channel>& inputs, const std::vector<Channel>& outputs) {
+  return Item().set("Ts", Ts).set("inputs", channel_items(inputs)).set("outputs", channel_items(outputs));
+}
+
 Item data_item(const DataSet& data) {
   Item item;
   item.set("hash", hash(data))

@@ -167,19 +167,7 @@ Outputs free_run(const NarxModel& model, const DataSet& data) {
 std::string to_yaml(const NarxModel& model) {
   Item item;
   Item data = model.data;
-  if (data.keys().empty()) {
-    data.set("Ts", model.channels.Ts);
-    for (const auto& [key, channels] :
-         {std::pair("inputs", &model.channels.inputs), std::pair("outputs", &model.channels.outputs)}) {
-      Item list = Item::list();
-      for (const Channel& channel : *channels) {
-        Item entry = Item().set("name", channel.name);
-        if (!channel.unit.empty()) entry.set("unit", channel.unit);
-        list.add(entry);
-      }
-      data.set(key, list);
-    }
-  }
+  if (data.keys().empty()) data = channels_item(model.channels.Ts, model.channels.inputs, model.channels.outputs);
   if (model.has_noise_model()) item.set("structure", structure_name(model));
   item.set("data", data).set("regressors", to_text(model.regressors));
   write_noise(model, item);

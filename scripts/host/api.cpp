@@ -48,7 +48,7 @@ std::vector<TypeInfo> make_api() {
       {"identify",
        "Models from data.",
        all_of({identify_data_functions(), identify_linear_functions(), identify_model_functions(),
-               identify_learned_functions(), identify_analysis_functions()}),
+               identify_learned_functions(), identify_state_space_functions(), identify_analysis_functions()}),
        {}},
       {"DataSet", "Measured inputs u and outputs y of one process, in one or more experiments.", data_methods(),
        data_fields()},
@@ -59,6 +59,8 @@ std::vector<TypeInfo> make_api() {
        regression_model_fields()},
       {"LearnedModel", "A network, local models or a Gaussian process from regressors to outputs.",
        learned_model_methods(), learned_model_fields()},
+      {"NeuralStateSpace", "x(k+1) = f(x, u), y = g(x, u), both of them networks.", neural_state_space_methods(),
+       neural_state_space_fields()},
   };
 }
 

@@ -65,11 +65,14 @@ Entries state_space_methods();
 Entries regression_model_methods();
 Entries identify_learned_functions();
 Entries learned_model_methods();
+Entries identify_state_space_functions();
+Entries neural_state_space_methods();
 std::vector<FieldInfo> data_fields();
 std::vector<FieldInfo> linear_model_fields();
 std::vector<FieldInfo> state_space_fields();
 std::vector<FieldInfo> regression_model_fields();
 std::vector<FieldInfo> learned_model_fields();
+std::vector<FieldInfo> neural_state_space_fields();
 
 // Set up metatables of the objects.
 void open_vectors(lua_State* L);
@@ -80,6 +83,7 @@ void open_data(lua_State* L);
 void open_linear_models(lua_State* L);
 void open_models(lua_State* L);
 void open_learned_models(lua_State* L);
+void open_neural_state_space(lua_State* L);
 
 // The table `pl`, on the stack.
 void push_module(lua_State* L);

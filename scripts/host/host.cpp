@@ -75,6 +75,7 @@ int set_up(lua_State* L) {
   open_linear_models(L);
   open_models(L);
   open_learned_models(L);
+  open_neural_state_space(L);
   open_globals(L);
   return 0;
 }

@@ -27,18 +27,6 @@ RegressorSet regressors_of(const Options& o, const DataSet& data) {
 
 std::uint64_t seed_of(const Options& o) { return static_cast<std::uint64_t>(std::max(0, integer(o, "seed", 1))); }
 
-void push_outputs(lua_State* L, const identify::Outputs& parts) {
-  Index rows = 0;
-  for (const Eigen::MatrixXd& p : parts) rows += p.rows();
-  Eigen::MatrixXd all(rows, parts.empty() ? 0 : parts[0].cols());
-  rows = 0;
-  for (const Eigen::MatrixXd& p : parts) {
-    all.middleRows(rows, p.rows()) = p;
-    rows += p.rows();
-  }
-  push_columns(L, all);
-}
-
 // What the name of a structure asks for, against what the regressors and orders give.
 void check_structure(const Options& o, const RegressorSet& set, identify::MlpOptions& m) {
   if (!o.has("structure")) return;

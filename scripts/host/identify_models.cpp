@@ -17,25 +17,9 @@ using identify::RegressionModel;
 using identify::RegressorSet;
 using identify::StateSpaceModel;
 
-// Experiments below each other.
-void push_outputs(lua_State* L, const std::vector<Eigen::MatrixXd>& parts) {
-  Index rows = 0;
-  for (const Eigen::MatrixXd& p : parts) rows += p.rows();
-  Eigen::MatrixXd all(rows, parts.empty() ? 0 : parts[0].cols());
-  rows = 0;
-  for (const Eigen::MatrixXd& p : parts) {
-    all.middleRows(rows, p.rows()) = p;
-    rows += p.rows();
-  }
-  push_columns(L, all);
-}
-
 int simulate_state_space(lua_State* L) {
   const Options o(L, 3, "the options of simulate", {"start", "samples"});
-  const std::string start = o.text("start", "estimated");
-  if (start != "estimated" && start != "zero") o.wrong("start", "estimated or zero");
-  push_outputs(L, identify::simulate(held_self<StateSpaceModel>(L, state_space_kind), data_argument(L, 2),
-                                     start == "zero" ? identify::StateStart::zero : identify::StateStart::estimated,
+  push_outputs(L, identify::simulate(held_self<StateSpaceModel>(L, state_space_kind), data_argument(L, 2), start_of(o),
                                      start_samples(o)));
   return 1;
 }
@@ -190,8 +174,10 @@ int load(lua_State* L) {
     push_state_space(L, identify::state_space_of(item));
   } else if (type == "regression_model") {
     push_regression_model(L, identify::regression_model_of(item));
+  } else if (type == "neural_state_space") {
+    push_neural_state_space(L, identify::neural_state_space_of(item));
   } else {
-    std::vector<std::string> known{"linear_model", "state_space_model", "regression_model"};
+    std::vector<std::string> known{"linear_model", "state_space_model", "regression_model", "neural_state_space"};
     for (const identify::ApproximatorType& each : identify::approximators()) known.emplace_back(each.name);
     if (std::find(known.begin(), known.end(), type) == known.end())
       throw ScriptError(fmt::format("'{}' holds a model of the type '{}'{}", path, type, suggestion(type, known)));
@@ -243,7 +229,8 @@ Entries identify_model_functions() {
        "pl.RegressionModel",
        "a polynomial NARX model: terms by orthogonal least squares, their number by the free run on the last part of "
        "the data, fitted to the free run"},
-      {"load", guarded<load>, "path: string", "pl.LinearModel|pl.StateSpaceModel|pl.RegressionModel|pl.LearnedModel",
+      {"load", guarded<load>, "path: string",
+       "pl.LinearModel|pl.StateSpaceModel|pl.RegressionModel|pl.LearnedModel|pl.NeuralStateSpace",
        "reads a model file"},
   };
 }

@@ -19,6 +19,24 @@ void push_matrix(lua_State* L, const Eigen::MatrixXd& m) {
   std::copy(m.data(), m.data() + m.size(), a.data());
 }
 
+void push_outputs(lua_State* L, const std::vector<Eigen::MatrixXd>& parts) {
+  Eigen::Index rows = 0;
+  for (const Eigen::MatrixXd& p : parts) rows += p.rows();
+  Eigen::MatrixXd all(rows, parts.empty() ? 0 : parts[0].cols());
+  rows = 0;
+  for (const Eigen::MatrixXd& p : parts) {
+    all.middleRows(rows, p.rows()) = p;
+    rows += p.rows();
+  }
+  push_columns(L, all);
+}
+
+identify::StateStart start_of(const Options& o) {
+  const std::string start = o.text("start", "estimated");
+  if (start != "estimated" && start != "zero") o.wrong("start", "estimated or zero");
+  return start == "zero" ? identify::StateStart::zero : identify::StateStart::estimated;
+}
+
 void push_columns(lua_State* L, const Eigen::MatrixXd& m) {
   if (m.cols() == 1) {
     push_numbers(L, m.col(0));

@@ -13,6 +13,7 @@
 
 #include "identify/data/data_set.h"
 #include "identify/fit_report.h"
+#include "identify/linear/state_space.h"
 #include "scripts/host/api.h"
 #include "scripts/host/session.h"
 #include "scripts/host/vector.h"
@@ -110,6 +111,8 @@ void push_numbers(lua_State* L, const Eigen::VectorXd& x);
 void push_matrix(lua_State* L, const Eigen::MatrixXd& m);
 // A vector when there is one column, else a matrix.
 void push_columns(lua_State* L, const Eigen::MatrixXd& m);
+// Of each experiment samples x outputs: below each other.
+void push_outputs(lua_State* L, const std::vector<Eigen::MatrixXd>& parts);
 void push_texts(lua_State* L, const std::vector<std::string>& texts);
 // {method = ..., reached = ..., tried = {...}, ..., text = "..."}
 void push_report(lua_State* L, const identify::FitReport& report);
@@ -127,6 +130,8 @@ inline Eigen::Index start_samples(const Options& o) {
   if (samples < 1) throw ScriptError("'samples' must be 1 or more");
   return samples;
 }
+// How a free run begins: "start", estimated or zero.
+identify::StateStart start_of(const Options& o);
 std::vector<std::string> texts(lua_State* L, const Options& options, const char* key);
 
 // Ends a fit when a limit of the script is passed.
