@@ -198,8 +198,8 @@ class FunctionalControlKernel::Move {
     for (int j = 0; j < horizon; ++j) {
       row(outputs_, j);
       const identify::UncertainRun::Step step = run.predict(x_.data(), state.data());
-      outputs_[at(k_.past_outputs() + j)] = step.mean;
-      variance = step.variance;
+      outputs_[at(k_.past_outputs() + j)] = step.mean[0];
+      variance = step.covariance(0, 0);
       run.advance(step, state.data(), next.data());
       state.swap(next);
     }

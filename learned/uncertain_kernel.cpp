@@ -12,13 +12,14 @@ UncertainKernel::UncertainKernel(const std::shared_ptr<const identify::GpMap>& m
 
 void UncertainKernel::initialise(const KernelCall& call) const {
   std::fill(call.state, call.state + state_size(), 0.0);
-  std::fill(call.state, call.state + run_.depth(), call.in[inputs_]);
+  for (int i = 0; i < run_.depth(); ++i)
+    std::copy_n(call.in + inputs_, run_.outputs(), call.state + i * run_.outputs());
 }
 
 void UncertainKernel::evaluate(const KernelCall& call) const {
   const identify::UncertainRun::Step step = run_.predict(call.in, call.state);
-  call.out[0] = step.mean;
-  call.out[1] = step.variance;
+  std::copy_n(step.mean.data(), step.mean.size(), call.out);
+  std::copy_n(step.covariance.data(), step.covariance.size(), call.out + step.mean.size());
 }
 
 void UncertainKernel::advance(const KernelCall& call) const {

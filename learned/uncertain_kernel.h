@@ -10,14 +10,14 @@
 
 namespace plantloop {
 
-// Inputs: the regressors (those of the output are not read), then the output before the start. Outputs: mean and
-// variance. The state is that of identify::UncertainRun.
+// Inputs: the regressors (those of outputs are not read), then the outputs before the start. Outputs: the means, then
+// the covariances row by row. The state is that of identify::UncertainRun.
 class UncertainKernel final : public Kernel {
  public:
   UncertainKernel(const std::shared_ptr<const identify::GpMap>& map, identify::RegressorSet regressors,
                   identify::Propagation method, bool feed_noise);
   std::string name() const override { return "Gaussian process in free run"; }
-  int outputs() const override { return 2; }
+  int outputs() const override { return run_.outputs() * (1 + run_.outputs()); }
   int state_size() const override { return run_.state_size(); }
   int scratch_size() const override { return run_.state_size(); }
   bool starts_with_inputs() const override { return true; }

@@ -31,8 +31,8 @@ struct Narx final : Block {
       "`initial_u`.  "
       "variance: of the function, where the map is a Gaussian process, else 0. In free run `propagation` says how the "
       "uncertainty of past outputs is carried along: naive ignores it, first_order linearises, moment_matching is "
-      "exact in mean and variance, for sums and products of the covariances se_ard and linear; these two need one "
-      "output and single lags as regressors.";
+      "exact in mean and variance, for sums and products of the covariances se_ard and linear; these two need single "
+      "lags as regressors. Of several outputs, all fed back, they carry the covariances along too.";
   static constexpr auto example = R"(
 blocks:
   u: {type: step, time: 1, before: 0, after: 1.2}
@@ -62,6 +62,7 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
   Discrete past_s{this, "past_s", {.doc = "what the map left of the last outputs, of a noise model", .size = any_size}};
   Output y{this, "y", {.doc = "predicted outputs", .size = any_size}};
   Output variance{this, "variance", {.doc = "of each, the function's without noise", .size = any_size}};
+  Output covariance{this, "covariance", {.doc = "of the outputs with each other, as `variance`", .size = any_size}};
 
   std::string own_period() const override {
     const auto loaded = usable();
@@ -104,6 +105,7 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
     sizing.set(past_s, shape_of(std::max(1, count * depth(*loaded, Past::rests))));
     sizing.set(y, shape_of(count));
     sizing.set(variance, shape_of(count));
+    sizing.set(covariance, square_of(count));
   }
 
   void initial(Now now, Init init) const override {
@@ -119,23 +121,28 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
     if (const NarxModel* const noisy = with_noise(*loaded)) {
       out[y] = predicted(now, *noisy, mapped(now, *loaded));
       out[variance] = 0.0;
+      out[covariance] = 0.0;
       return;
     }
     if (!propagation.is("naive")) {
-      x.push_back(now[initial_y][0]);
+      for (int o = 0; o < count; ++o) x.push_back(now[initial_y][0]);
       const std::vector<Value> result = now.kernel(uncertain(*loaded), x, x);
-      out[y] = array_of(result, 0, 1);
-      out[variance] = array_of(result, 1, 1);
+      out[y] = array_of(result, 0, count);
+      Array own(shape_of(count)), all(square_of(count));
+      for (int i = 0; i < count * count; ++i) all[i] = result[static_cast<std::size_t>(count + i)];
+      for (int o = 0; o < count; ++o) own[o] = all[o * (count + 1)];
+      out[variance] = own;
+      out[covariance] = all;
       return;
     }
     const bool certain = loaded->map->has_variance();
     const std::vector<Value> result = now.kernel(std::make_shared<MapKernel>(loaded->map, certain), x);
     out[y] = array_of(result, 0, count);
-    if (certain) {
-      out[variance] = array_of(result, count, count);
-    } else {
-      out[variance] = 0.0;
-    }
+    const Array own = certain ? array_of(result, count, count) : Array(shape_of(count), 0.0);
+    Array all(square_of(count), 0.0);
+    for (int o = 0; o < count; ++o) all[o * (count + 1)] = own[o];
+    out[variance] = own;
+    out[covariance] = all;
   }
 
   void update(Now now, Next next) const override {
@@ -169,6 +176,7 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
   }
 
  private:
+  static Shape square_of(int count) { return count == 1 ? Shape::scalar() : Shape::matrix(count, count); }
   std::shared_ptr<const LoadedModel> usable() const {
     const auto loaded = model_of(model);
     return loaded && loaded->dynamic ? loaded : nullptr;

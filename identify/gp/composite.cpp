@@ -125,38 +125,9 @@ class Sum final : public Composite {
          [&](std::size_t i, const Vector& own, auto) { known = known && parts_[i]->terms(own, inputs, list); });
     return known;
   }
-  // The products of two parts have a simple form when one of them is affine in x, l_j(x) = l_j(mu) + b_j'(x - mu):
-  //   cov(k_i, l_j) = cov(x, k_i)'b_j,  cov(x, k_i) = S g_i.
-  bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
-               KernelMoments& result) const override {
-    std::vector<KernelMoments> own(parts_.size());
-    bool known = true;
-    int curved = 0;
-    each(theta, inputs(z), [&](std::size_t i, const Vector& part_theta, auto) {
-      known = known && parts_[i]->moments(part_theta, z, mu, s, own[i]);
-      curved += is_affine(*parts_[i]) ? 0 : 1;
-    });
-    if (!known) return false;
-    if (curved > 1) {
-      std::vector<GaussianTerm> list;
-      return terms(theta, inputs(z), list) && moments_of(list, z, mu, s, result);
-    }
-    result = own[0];
-    for (std::size_t i = 1; i < own.size(); ++i) {
-      // `result` holds the sum of the parts before.
-      const Matrix mixed = result.g * s * own[i].g.transpose();
-      result.q += own[i].q;
-      result.g += own[i].g;
-      result.k += own[i].k;
-      result.C += own[i].C + mixed + mixed.transpose();
-    }
-    return true;
-  }
 
  private:
   static int inputs(const Matrix& x) { return static_cast<int>(x.cols()); }
-  // Of the forms only this one is.
-  static bool is_affine(const Covariance& part) { return part.name() == "linear"; }
 };
 
 class Product final : public Composite {
@@ -251,11 +222,6 @@ class Product final : public Composite {
     });
     list.insert(list.end(), product.begin(), product.end());
     return known;
-  }
-  bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
-               KernelMoments& result) const override {
-    std::vector<GaussianTerm> list;
-    return terms(theta, inputs(z), list) && moments_of(list, z, mu, s, result);
   }
 
  private:

@@ -14,14 +14,6 @@
 
 namespace plantloop::identify {
 
-// Expectations over x ~ N(mu, S) that moment matching needs; see propagate.h.
-struct KernelMoments {
-  Eigen::VectorXd q;  // E k(x, x_i)
-  Eigen::MatrixXd C;  // cov(k(x, x_i), k(x, x_j)): what E k k' exceeds q q' by, to its own rounding
-  Eigen::MatrixXd g;  // E dk(x, x_i)/dx, one row for each i: N x D; cov(x, k(x, x_i)) is S g_i
-  double k = 0;       // E k(x, x)
-};
-
 struct GaussianTerm;  // gaussian_terms.h
 
 class Covariance {
@@ -65,15 +57,9 @@ class Covariance {
   // Of points with this many columns; and how often v0 stands on the diagonal at each point. See slopes.h.
   virtual int inputs_of(Eigen::Index columns) const { return static_cast<int>(columns); }
   virtual Vector noise_weight(const Matrix& x) const { return Vector::Ones(x.rows()); }
-  // The form as a sum of Gaussians times affine factors, added to `list`; false: it is none.
+  // The form as a sum of Gaussians times affine factors, added to `list`: moment matching needs it. False: it is none.
   virtual bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const {
     (void)theta, (void)inputs, (void)list;
-    return false;
-  }
-  // The moments in closed form over x ~ N(mu, s), with the points z; false: the form has none.
-  virtual bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
-                       KernelMoments& result) const {
-    (void)theta, (void)z, (void)mu, (void)s, (void)result;
     return false;
   }
 };

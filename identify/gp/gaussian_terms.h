@@ -5,8 +5,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "identify/gp/covariance.h"
-
 namespace plantloop::identify {
 
 // c exp(-1/2 sum_d w_d (x_d - z_d)^2) prod_f (b_f + sum_d a_fd x_d z_d). Products of such terms are such terms: weights
@@ -21,11 +19,60 @@ struct GaussianTerm {
   std::vector<Affine> factors;
 };
 
-// The moments of the sum of the terms, with the points z. A term has at most most_factors factors, else false. With
-// y = x - mu, a Gaussian times N(0, S) is |I + S W|^-1/2 exp(...) times N(M h, M), M = (I + S W)^-1 S, so what is left
-// is the mean of a product of affine functions of normal variables (L. Isserlis 1918). No inverse of S is needed.
+// A term may have so many factors.
 inline constexpr std::size_t most_factors = 2;
-bool moments_of(const std::vector<GaussianTerm>& terms, const Eigen::MatrixXd& z, const Eigen::VectorXd& mu,
-                const Eigen::MatrixXd& s, KernelMoments& result);
+
+struct UncertainPoint {
+  Eigen::VectorXd mean;        // D
+  Eigen::MatrixXd covariance;  // D x D; rows and columns of zeros for inputs that are known exactly
+};
+
+// A term at all points, seen from x ~ N(mu, S); W = diag(w), R = W^1/2, nu = z - mu, n = R nu. A Gaussian times N(0, S)
+// is
+//   c |I + R S R|^-1/2 exp(-1/2 n'(I + R S R)^-1 n)  times  N(S R (I + R S R)^-1 n, M),   M = (I + S W)^-1 S,
+// so what is left is the mean of a product of affine functions of normal variables (L. Isserlis 1918). There is no
+// inverse of S, and no difference of large numbers where lengths are small beside S.
+struct TermMoments {
+  Eigen::MatrixXd n;                   // N x D
+  Eigen::MatrixXd shift;               // N x D: the mean of the normal density, from mu
+  Eigen::ArrayXd base;                 // N: the number before it
+  Eigen::ArrayXd log_base;             // N
+  Eigen::ArrayXd product;              // N: the mean of the product of the factors
+  std::vector<Eigen::ArrayXd> mean;    // of each factor: N
+  std::vector<Eigen::MatrixXd> slope;  // of each factor: N x D
+  Eigen::MatrixXd root;                // D x rank of S: M = root root'
+  Eigen::MatrixXd less;                // D x D: S - M = less less'
+};
+
+// Expectations over x of a sum of terms with the points z.
+struct KernelMoments {
+  KernelMoments(const std::vector<GaussianTerm>& terms, const Eigen::MatrixXd& z, const UncertainPoint& x);
+
+  Eigen::VectorXd q;  // E k(x, z_i)
+  Eigen::MatrixXd g;  // E dk(x, z_i)/dx, one row for each i: N x D; cov(x, k(x, z_i)) is S g_i
+  double k = 0;       // E k(x, x)
+
+  std::vector<GaussianTerm> terms;
+  std::vector<TermMoments> parts;
+  Eigen::MatrixXd z, root;  // S = root root'
+};
+
+// A pair of terms, one of each covariance.
+class TermPair;
+
+// cov(k_a(x, z_i), k_b(x, z_j)) over the same x, of two covariances, each with its points: what E k_a k_b exceeds
+// q_a q_b by. It is made from log(E k_a k_b/(q_a q_b)), which is of the order of S, and so keeps its digits however
+// small S is.
+class KernelPairs {
+ public:
+  KernelPairs(const KernelMoments& a, const KernelMoments& b);
+  ~KernelPairs();
+  KernelPairs(KernelPairs&&) noexcept;
+  Eigen::VectorXd column(Eigen::Index j) const;  // for all points of a and the j-th of b
+  Eigen::VectorXd diagonal() const;              // for the i-th of both, which have as many
+
+ private:
+  std::vector<TermPair> pairs_;
+};
 
 }  // namespace plantloop::identify

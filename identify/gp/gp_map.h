@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,39 +64,45 @@ NarxModel fit_narx_gp(const DataSet& data, const RegressorSet& regressors, const
                       int most = 1000, const FitControl& control = {},
                       const std::vector<PolynomialModel>& local_models = {});
 
-// The free run of a model that knows how uncertain it is, one sample after the other. The state holds mean and
-// covariance of the last outputs, newest first: `depth` numbers and depth x depth.
+// The free run of a model that knows how uncertain it is, one sample after the other. All outputs are fed back, and the
+// state holds mean and covariance of the last ones together: n = depth x outputs numbers, newest sample first and
+// within a sample in the order of the outputs, then n x n.
 class UncertainRun {
  public:
-  // The model has one output and its regressors are single lags. `feed_noise`: the fed-back output includes the noise
-  // v0, as the measured outputs did that a NARX model was made from. Raises IdentifyError.
+  // The regressors of outputs are single lags. `feed_noise`: the fed-back outputs include the noise v0 of each, as the
+  // measured outputs did that a NARX model was made from. Raises IdentifyError.
   UncertainRun(std::shared_ptr<const GpMap> map, RegressorSet regressors, Propagation method, bool feed_noise = true);
 
   int depth() const { return depth_; }
-  int state_size() const { return depth_ + depth_ * depth_; }
-  // x: the regressors, of which those of the output are not read. mean and variance of the function now.
+  int outputs() const { return map_->outputs(); }
+  int state_size() const { return kept() + kept() * kept(); }
+  // x: the regressors, of which those of outputs are not read.
   struct Step {
-    double mean = 0;
-    double variance = 0;
-    Eigen::VectorXd slope;  // by the regressors
+    Eigen::VectorXd mean;        // of the functions now, m
+    Eigen::MatrixXd covariance;  // m x m
+    Eigen::MatrixXd slope;       // by the regressors, m x regressors
   };
   Step predict(const double* x, const double* state) const;
   // The state after that step.
   void advance(const Step& step, const double* state, double* next) const;
 
  private:
+  int kept() const { return depth_ * outputs(); }
   std::shared_ptr<const GpMap> map_;
   RegressorSet regressors_;
   Propagator propagator_;
   bool feed_noise_;
   int depth_;
-  std::vector<std::pair<Eigen::Index, int>> lags_;  // regressor, lag of the output
+  struct Lag {
+    Eigen::Index regressor, kept;  // which of the kept numbers it is
+  };
+  std::vector<Lag> lags_;
 };
 
-// For each experiment samples x 2: mean and variance of the function. The first samples are the measured ones, with
-// variance 0. Raises IdentifyError.
+// For each experiment samples x (m + m^2): means of the m functions, then their covariances row by row; so for one
+// output mean and variance. The first samples are the measured ones, with covariance 0. Raises IdentifyError.
 Outputs simulate_uncertain(const NarxModel& model, const DataSet& data, Propagation method, bool feed_noise = true);
-// The same from trajectories that draw each output from its predicted distribution.
+// The same from trajectories that draw the outputs from their predicted distributions.
 Outputs simulate_monte_carlo(const NarxModel& model, const DataSet& data, int trajectories, std::uint64_t seed = 1,
                              bool feed_noise = true);
 

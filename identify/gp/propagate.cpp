@@ -2,13 +2,12 @@
 
 #include "identify/gp/propagate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "identify/dense/dense.h"
 #include "identify/error.h"
+#include "identify/gp/pivoted_root.h"
 
 namespace plantloop::identify {
 
@@ -18,27 +17,24 @@ using Eigen::VectorXd;
 
 namespace {
 
-// C = G G' + rest by Cholesky's method with pivots, until the rest is rounding or G has `most` columns; C becomes the
-// rest, or 0 where that is rounding, which K^-1 would make large.
-MatrixXd take_apart(MatrixXd& C, Index most) {
-  const Index n = C.rows();
-  VectorXd left = C.diagonal();
-  const double enough = 2e-15 * left.maxCoeff();
-  MatrixXd G(n, most);
-  Index columns = 0;
-  for (Index pivot = 0; columns < most && left.maxCoeff(&pivot) > enough; ++columns) {
-    G.col(columns) =
-        (C.col(pivot) - G.leftCols(columns) * G.row(pivot).head(columns).transpose()) / std::sqrt(left[pivot]);
-    left -= G.col(columns).cwiseAbs2();
-    left[pivot] = 0;
-  }
-  G.conservativeResize(n, columns);
-  if (columns < most || most == n) {
-    C.setZero();
-  } else {
-    C.noalias() -= G * G.transpose();
-  }
-  return G;
+std::vector<GaussianTerm> terms_of(const GaussianProcess& model) {
+  if (model.x().cols() > model.inputs())
+    fail("moment matching is for observed values, this model has observed slopes too; first_order works with both");
+  std::vector<GaussianTerm> terms;
+  const bool known = model.covariance().terms(model.hyperparameters().theta, model.inputs(), terms);
+  const auto is_long = [](const GaussianTerm& term) { return term.factors.size() > most_factors; };
+  if (!known || std::any_of(terms.begin(), terms.end(), is_long))
+    fail(
+        "moment matching has a closed form for sums and products of se_ard and linear, at most two linear in a "
+        "product, not for '{}'; first_order works with every covariance",
+        model.covariance().name());
+  return terms;
+}
+
+// The part of the mean function that is linear in x.
+VectorXd own_slope(const GaussianProcess& model) {
+  const VectorXd& b = model.mean_coefficients();
+  return b.size() > 1 ? VectorXd(b.tail(b.size() - 1)) : VectorXd::Zero(model.inputs());
 }
 
 }  // namespace
@@ -50,28 +46,27 @@ Propagation find_propagation(const std::string& name) {
   fail("there is no propagation '{}'; there are naive, first_order, moment_matching", name);
 }
 
-Propagator::Propagator(const GaussianProcess& model, Propagation method) : model_(model), method_(method) {
+Propagator::Propagator(const std::vector<GaussianProcess>& models, Propagation method)
+    : models_(models), method_(method) {
   if (method != Propagation::moment_matching) return;
-  if (model.x().cols() > model.inputs())
-    fail("moment matching is for observed values, this model has observed slopes too; first_order works with both");
-  KernelMoments moments;
-  const VectorXd mu = model.x().row(0).head(model.inputs()).transpose();
-  const MatrixXd none = MatrixXd::Zero(model.inputs(), model.inputs());
-  if (!model.covariance().moments(model.hyperparameters().theta, model.x().topRows(1), mu, none, moments))
-    throw IdentifyError(fmt::format(
-        "moment matching has a closed form for sums and products of se_ard and linear, at most two linear in a "
-        "product, not for '{}'; "
-        "first_order works with every covariance",
-        model.covariance().name()));
-  whitened_ = model.factor().triangularView<Eigen::Lower>().transpose() * model.alpha();
-  // Columns cost as much as the matrix itself where there are some hundred points: then a few must do.
-  const double points = model.size();
-  rank_ =
-      std::min<Eigen::Index>(model.size(), std::max<Eigen::Index>(8, static_cast<Eigen::Index>(4e6 / points / points)));
-  spread_ = model.factor();
-  invert_factored(spread_);
-  mirror_lower(spread_);
-  spread_ = model.alpha() * model.alpha().transpose() - spread_;
+  Index points = 0;
+  for (const GaussianProcess& model : models) {
+    terms_.push_back(terms_of(model));
+    whitened_.emplace_back(model.factor().triangularView<Eigen::Lower>().transpose() * model.alpha());
+    first_.push_back(points);
+    points += model.size();
+  }
+  first_.push_back(points);
+  // Columns cost as much as the matrix itself where there are some hundred points: then some must do.
+  const auto size = static_cast<double>(points);
+  rank_ = std::min<Index>(points, std::max<Index>(48, static_cast<Index>(4e6 / size / size)));
+  if (rank_ == points) return;
+  for (const GaussianProcess& model : models) {
+    MatrixXd spread = model.factor();
+    invert_factored(spread);
+    mirror_lower(spread);
+    spread_.emplace_back(model.alpha() * model.alpha().transpose() - spread);
+  }
 }
 
 UncertainPrediction Propagator::predict(const UncertainPoint& point) const {
@@ -80,38 +75,93 @@ UncertainPrediction Propagator::predict(const UncertainPoint& point) const {
 }
 
 UncertainPrediction Propagator::first_order(const UncertainPoint& point) const {
-  const Prediction at = model_.predict(point.mean.transpose());
-  UncertainPrediction result{at.mean[0], at.variance[0], VectorXd::Zero(point.mean.size())};
-  if (method_ == Propagation::naive) return result;
-  result.slope = model_.mean_gradient(point.mean);
-  result.variance += result.slope.dot(point.covariance * result.slope);
+  const auto count = static_cast<Index>(models_.size());
+  UncertainPrediction result{VectorXd(count), MatrixXd::Zero(count, count), MatrixXd::Zero(count, point.mean.size())};
+  for (Index a = 0; a < count; ++a) {
+    const GaussianProcess& model = models_[static_cast<std::size_t>(a)];
+    const Prediction at = model.predict(point.mean.transpose());
+    result.mean[a] = at.mean[0];
+    result.covariance(a, a) = at.variance[0];
+    if (method_ != Propagation::naive) result.slope.row(a) = model.mean_gradient(point.mean).transpose();
+  }
+  result.covariance += result.slope * point.covariance * result.slope.transpose();
+  mirror_lower(result.covariance);
   return result;
 }
 
 UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) const {
-  KernelMoments moments;
-  model_.covariance().moments(model_.hyperparameters().theta, model_.x(), point.mean, point.covariance, moments);
-  const VectorXd& beta = model_.alpha();
-  UncertainPrediction result;
-  VectorXd q = moments.q;
-  solve_lower(model_.factor(), q);
-  result.mean = whitened_.dot(q);
-  result.slope = moments.g.transpose() * beta;
-  MatrixXd G = take_apart(moments.C, rank_);
-  solve_lower(model_.factor(), G);
-  result.variance = moments.k - q.squaredNorm() + (G.transpose() * whitened_).squaredNorm() - G.squaredNorm();
-  result.variance += (spread_.array() * moments.C.array()).sum();
-  // The mean function is affine in x and adds its own part, and its product with the rest.
-  const VectorXd& b = model_.mean_coefficients();
-  if (b.size() > 0) result.mean += b[0];
-  if (b.size() > 1) {
-    const VectorXd own = b.tail(b.size() - 1);
-    result.mean += own.dot(point.mean);
-    result.variance += own.dot(point.covariance * (own + 2 * result.slope));
-    result.slope += own;
+  const std::size_t count = models_.size();
+  const auto outputs = static_cast<Index>(count);
+  std::vector<KernelMoments> moments;
+  for (std::size_t a = 0; a < count; ++a) moments.emplace_back(terms_[a], models_[a].x(), point);
+  std::vector<std::vector<KernelPairs>> pairs(count);
+  VectorXd diagonal(first_.back()), enough(first_.back());
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = 0; b < count; ++b) pairs[a].emplace_back(moments[a], moments[b]);
+    const VectorXd own = pairs[a][a].diagonal().cwiseMax(0.0);
+    diagonal.segment(first_[a], own.size()) = own;
+    // Below this is rounding, which K^-1 would make large.
+    enough.segment(first_[a], own.size()).setConstant(2e-15 * own.maxCoeff());
   }
-  if (result.variance < 0) result.variance = 0;
+  const auto column = [&](Index j) {
+    std::size_t b = 0;
+    while (first_[b + 1] <= j) ++b;
+    VectorXd all(first_.back());
+    for (std::size_t a = 0; a < count; ++a)
+      all.segment(first_[a], models_[a].size()) = pairs[a][b].column(j - first_[b]);
+    return all;
+  };
+  bool finished = true;
+  const MatrixXd G = pivoted_root(diagonal, enough, rank_, column, finished);
+
+  UncertainPrediction result{VectorXd(outputs), MatrixXd(outputs, outputs), MatrixXd(outputs, point.mean.size())};
+  MatrixXd mixed(G.cols(), outputs);  // (L^-1 G)'(L^-1 y) of each model
+  VectorXd certain(outputs);          // the variance's part that no x makes
+  MatrixXd own(outputs, point.mean.size());
+  for (Index o = 0; o < outputs; ++o) {
+    const auto a = static_cast<std::size_t>(o);
+    const GaussianProcess& model = models_[a];
+    VectorXd q = moments[a].q;
+    solve_lower(model.factor(), q);
+    MatrixXd H = G.middleRows(first_[a], model.size());
+    solve_lower(model.factor(), H);
+    mixed.col(o) = H.transpose() * whitened_[a];
+    result.mean[o] = whitened_[a].dot(q);
+    result.slope.row(o) = (moments[a].g.transpose() * model.alpha()).transpose();
+    certain[o] = moments[a].k - q.squaredNorm() - H.squaredNorm();
+    own.row(o) = own_slope(model).transpose();
+    if (model.mean_coefficients().size() > 0) result.mean[o] += model.mean_coefficients()[0];
+  }
+  result.covariance = mixed.transpose() * mixed;
+  result.covariance.diagonal() += certain;
+  if (!finished && !spread_.empty()) add_rest(pairs, G, result.covariance);
+  // The mean functions are affine in x and add their own part, and their products with the rest.
+  const MatrixXd with_own = own * point.covariance * result.slope.transpose();
+  result.covariance += with_own + with_own.transpose() + own * point.covariance * own.transpose();
+  result.mean += own * point.mean;
+  result.slope += own;
+  mirror_lower(result.covariance);
+  for (Index o = 0; o < outputs; ++o) result.covariance(o, o) = std::max(result.covariance(o, o), 0.0);
   return result;
+}
+
+// What G leaves of C, block by block.
+void Propagator::add_rest(const std::vector<std::vector<KernelPairs>>& pairs, const MatrixXd& G,
+                          MatrixXd& covariance) const {
+  for (std::size_t a = 0; a < models_.size(); ++a) {
+    const auto G_a = G.middleRows(first_[a], models_[a].size());
+    for (std::size_t b = 0; b <= a; ++b) {
+      const auto G_b = G.middleRows(first_[b], models_[b].size());
+      double sum = 0;
+      for (Index j = 0; j < models_[b].size(); ++j) {
+        const VectorXd rest = pairs[a][b].column(j) - G_a * G_b.row(j).transpose();
+        sum += a == b ? spread_[a].col(j).dot(rest) : models_[a].alpha().dot(rest) * models_[b].alpha()[j];
+      }
+      const auto i = static_cast<Index>(a), k = static_cast<Index>(b);
+      covariance(i, k) += sum;
+      if (i != k) covariance(k, i) += sum;
+    }
+  }
 }
 
 }  // namespace plantloop::identify

@@ -3,51 +3,56 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <memory>
 #include <string>
+#include <vector>
 
 #include "identify/gp/gaussian_process.h"
+#include "identify/gp/gaussian_terms.h"
 
 namespace plantloop::identify {
 
-struct UncertainPoint {
-  Eigen::VectorXd mean;        // D
-  Eigen::MatrixXd covariance;  // D x D; rows and columns of zeros for inputs that are known exactly
-};
-
+// Of m functions of one x. Given x they are independent; that x is uncertain makes them depend on each other.
 struct UncertainPrediction {
-  double mean = 0;
-  double variance = 0;    // of the function; a measurement adds v0
-  Eigen::VectorXd slope;  // E of the mean's slope: D; cov(x, f) = S slope
+  Eigen::VectorXd mean;        // m
+  Eigen::MatrixXd covariance;  // m x m, of the functions; a measurement adds v0 to the diagonal
+  Eigen::MatrixXd slope;       // E of the means' slopes, one row for each function: m x D; cov(f, x) = slope S
 };
 
 enum class Propagation { naive, first_order, moment_matching };
 // "naive", "first_order", "moment_matching"; throws IdentifyError.
 Propagation find_propagation(const std::string& name);
 
-// Predicts many times with one model; prepares what only depends on the model.
+// Predicts many times with the same models; prepares what only depends on them. They must live as long.
 class Propagator {
  public:
-  // Throws IdentifyError when the covariance has no closed moments and the method is moment_matching.
-  Propagator(const GaussianProcess& model, Propagation method);
+  // One model for each function, of the same inputs. Throws IdentifyError when a covariance has no closed moments and
+  // the method is moment_matching.
+  Propagator(const std::vector<GaussianProcess>& models, Propagation method);
 
-  // naive: S is ignored. first_order: mean m(mu), variance var(mu) + m'(mu)' S m'(mu), slope m'(mu).
-  // moment_matching: the exact mean and variance of the mixture over x:
-  //   m = beta' q,  variance = E k(x, x) - q' K^-1 q + tr((beta beta' - K^-1) C),  beta = K^-1 y,
-  // with q = E k(x, X) and C = cov k(X, x) from Covariance::moments. With little noise beta and K^-1 are large, so C is
-  // taken apart, C = G G', and the sum is |G' beta|^2 - |L^-1 G|^2 with the factor L of K.
+  // naive: S is ignored, slopes and covariances are 0. first_order: with J = the means' slopes at mu, mean m(mu),
+  // covariance diag(var(mu)) + J S J', slope J.
+  // moment_matching: the exact mean and covariance of the mixture over x (M. Deisenroth, C. Rasmussen 2011):
+  //   m_a = beta_a' q_a,  cov_ab = beta_a' C_ab beta_b,  beta_a = K_a^-1 y_a,
+  //   var_a = E k_a(x, x) - q_a' K_a^-1 q_a + tr((beta_a beta_a' - K_a^-1) C_aa),
+  // with q_a = E k_a(x, X_a) and C_ab = cov(k_a(X_a, x), k_b(x, X_b)). With little noise beta and K^-1 are large, so C
+  // of all models together is taken apart, C = G G', and with the factors L of K
+  //   cov_ab = (L_a^-1 G_a)'(L_a^-1 y_a) . (L_b^-1 G_b)'(L_b^-1 y_b),
+  //   var_a  = k - |L^-1 q|^2 + |(L^-1 G)'(L^-1 y)|^2 - |L^-1 G|^2.
   UncertainPrediction predict(const UncertainPoint& point) const;
 
  private:
   UncertainPrediction first_order(const UncertainPoint& point) const;
   UncertainPrediction moment_matching(const UncertainPoint& point) const;
+  void add_rest(const std::vector<std::vector<KernelPairs>>& pairs, const Eigen::MatrixXd& G,
+                Eigen::MatrixXd& covariance) const;
 
-  const GaussianProcess& model_;
+  const std::vector<GaussianProcess>& models_;
   Propagation method_;
-  Eigen::VectorXd whitened_;  // L' beta = L^-1 y
-  Eigen::Index rank_ = 0;     // columns of G, at most
-  Eigen::MatrixXd spread_;    // beta beta' - K^-1, for what is left of C
+  std::vector<std::vector<GaussianTerm>> terms_;  // of each covariance
+  std::vector<Eigen::VectorXd> whitened_;         // L' beta = L^-1 y
+  std::vector<Eigen::Index> first_;               // where each model begins in G; last, its rows
+  Eigen::Index rank_ = 0;                         // columns of G, at most
+  std::vector<Eigen::MatrixXd> spread_;           // beta beta' - K^-1, for what is left of C; empty: nothing ever is
 };
 
 }  // namespace plantloop::identify

@@ -183,14 +183,19 @@ int uncertain(lua_State* L) {
                                            noise)
           : identify::simulate_uncertain(self(L), data_argument(L, 2),
                                          identify::find_propagation(o.text("propagation", "moment_matching")), noise);
-  identify::Outputs means, variances;
+  const Index outputs = self(L).map->outputs();
+  identify::Outputs means, variances, covariances;
   for (const Eigen::MatrixXd& part : found) {
-    means.emplace_back(part.col(0));
-    variances.emplace_back(part.col(1));
+    means.emplace_back(part.leftCols(outputs));
+    covariances.emplace_back(part.rightCols(outputs * outputs));
+    Eigen::MatrixXd own(part.rows(), outputs);
+    for (Index i = 0; i < outputs; ++i) own.col(i) = covariances.back().col(i * (outputs + 1));
+    variances.push_back(std::move(own));
   }
   push_outputs(L, means);
   push_outputs(L, variances);
-  return 2;
+  push_outputs(L, covariances);
+  return 3;
 }
 
 int add(lua_State* L) {
@@ -384,9 +389,10 @@ Entries learned_model_methods() {
       {"uncertain", guarded<uncertain>,
        "data: pl.DataSet, options?: {propagation?: \"naive\"|\"first_order\"|\"moment_matching\", trajectories?: "
        "integer, seed?: integer, noise?: boolean}",
-       "pl.Vector, pl.Vector",
-       "free run of a Gaussian process: mean and variance of the function; trajectories: drawn at random instead; "
-       "noise: that the outputs fed back have noise"},
+       "pl.Vector, pl.Vector, pl.Vector",
+       "free run of a Gaussian process: mean and variance of the function, and, of several outputs, their covariances "
+       "with each other, row by row; trajectories: drawn at random instead; noise: that the outputs fed back have "
+       "noise"},
       {"add", guarded<add>, "data: pl.DataSet", "pl.LearnedModel",
        "a Gaussian process with more measurements; its hyperparameters stay"},
       {"prune", guarded<prune>,

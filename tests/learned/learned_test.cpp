@@ -252,5 +252,45 @@ TEST(Narx, CarriesTheUncertaintyOfAGaussianProcessAlong) {
   }
 }
 
+// Of two outputs, both fed back: means, variances and the covariance of the two.
+TEST(Narx, CarriesTheCovarianceOfTwoOutputsAlong) {
+  using namespace identify;
+  Random random(17);
+  Eigen::MatrixXd u(60, 1), y = Eigen::MatrixXd::Zero(60, 2);
+  for (Eigen::Index k = 0; k < 60; ++k) {
+    u(k, 0) = random.uniform(-1, 1);
+    if (k > 0) {
+      y(k, 0) = 0.5 * y(k - 1, 0) + 0.3 * std::sin(2 * y(k - 1, 1)) + 0.4 * u(k - 1, 0) + 0.05 * random.normal();
+      y(k, 1) = 0.7 * y(k - 1, 1) - 0.2 * y(k - 1, 0) + 0.05 * random.normal();
+    }
+  }
+  const DataSet data = make_data_set(u, y, 0.5, {{"u", ""}}, {{"y1", ""}, {"y2", ""}});
+  GpOptions options;
+  options.starts = 1;
+  const NarxModel model = fit_narx_gp(data, parse_regressors("y1(k-1), y2(k-1..2), u(k-1)", data), options);
+  const std::string file = place("two_outputs.yaml");
+  std::ofstream(file) << to_yaml(model);
+  for (const char* how : {"naive", "first_order", "moment_matching"}) {
+    const Signals r =
+        run(system + "  m: {type: narx, in: {u: u}, initial: 0.3, propagation: " + how + ", model: " + file +
+            "}\nsimulation: {stop: 10}\n" + "record: [u, m.y, m.variance, m.covariance]\n");
+    // Two samples before the start, as the block has them: inputs of 0 and the initial outputs.
+    const std::vector<double> input = r.samples("u");
+    const auto n = static_cast<Eigen::Index>(input.size());
+    Eigen::MatrixXd past_u = Eigen::MatrixXd::Zero(n + 2, 1), past_y = Eigen::MatrixXd::Constant(n + 2, 2, 0.3);
+    past_u.bottomRows(n) = Eigen::VectorXd::Map(input.data(), n);
+    const DataSet begun = make_data_set(past_u, past_y, 0.5, {{"u", ""}}, {{"y1", ""}, {"y2", ""}});
+    const Eigen::MatrixXd expected = simulate_uncertain(model, begun, find_propagation(how))[0];
+    const char* const names[] = {"m.y.1",           "m.y.2", "m.covariance.1.1", "m.covariance.1.2", "m.covariance.2.1",
+                                 "m.covariance.2.2"};
+    for (Eigen::Index c = 0; c < 6; ++c) {
+      const std::vector<double> found = r.samples(names[c]);
+      for (Eigen::Index k = 0; k < n; ++k)
+        EXPECT_NEAR(found[static_cast<std::size_t>(k)], expected(k + 2, c), 1e-14) << how << names[c] << k;
+    }
+    EXPECT_EQ(r.samples("m.variance.2"), r.samples("m.covariance.2.2"));
+  }
+}
+
 }  // namespace
 }  // namespace plantloop::testing_diagrams

@@ -50,16 +50,6 @@ class Linear final : public Covariance {
     list.push_back({1, Vector::Zero(inputs), {{theta.head(inputs), theta[inputs]}}});
     return true;
   }
-  // k_i is affine in x, so its moments are those of x.
-  bool moments(const Vector& theta, const Matrix& z, const Vector& mu, const Matrix& s,
-               KernelMoments& result) const override {
-    const Eigen::Index d = z.cols();
-    result.g = input_gradient(theta, mu, z);
-    result.q = ((result.g * mu).array() + theta[d]).matrix();
-    result.C = result.g * s * result.g.transpose();
-    result.k = theta[d] + theta.head(d).dot(Vector(mu.array().square().matrix() + s.diagonal()));
-    return true;
-  }
   bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,
               std::vector<Matrix>* by_theta) const override {
     const Eigen::Index d = x.size();
