@@ -38,6 +38,8 @@ void check_options(const NeuralStateSpaceOptions& o) {
   if (o.refined < 1) fail("the number of starts that are refined is {}; it must be 1 or more", o.refined);
   if (o.iterations < 1) fail("the number of iterations is {}; it must be 1 or more", o.iterations);
   if (!(o.decay >= 0)) fail("the weight decay is {:g}; it must be 0 or greater", o.decay);
+  if (o.integrating && (o.order < 2 || !o.output_hidden.empty()))
+    fail("an integrating model has an order of 2 or more, and its output, the last state, has no neurons");
   if (o.projections < 0) fail("the number of projections is {}; it must be 0 or more", o.projections);
   if (o.projections > 0 && o.output_hidden.empty())
     fail("projections are what the output's neurons see; give them 'output_hidden'");
@@ -124,6 +126,16 @@ void add(std::vector<Beginning>& list, const DataSet& data, Beginning b) {
   list.push_back(std::move(b));
 }
 
+// What the outputs grow by until the next sample; the last one grows as the one before it.
+DataSet increments(DataSet data) {
+  for (Experiment& e : data.experiments) {
+    const Index last = e.samples() - 1;
+    for (Index k = 0; k < last; ++k) e.y.row(k) = (e.y.row(k + 1) - e.y.row(k)).eval();
+    if (last > 0) e.y.row(last) = e.y.row(last - 1);
+  }
+  return data;
+}
+
 std::vector<Beginning> beginnings(const DataSet& data, int order) {
   std::vector<Beginning> list;
   const auto inputs = static_cast<Index>(data.inputs.size());
@@ -180,11 +192,12 @@ struct Shapes {
 
 Shapes shapes_of(int order, Index inputs, Index outputs, const NeuralStateSpaceOptions& o) {
   const int all = order + static_cast<int>(inputs);
+  const bool feedthrough = o.feedthrough && !o.integrating;
   std::vector<int> layers = o.output_hidden;
   const bool projected = o.projections > 0;
   if (projected) layers.insert(layers.begin(), o.projections);
   Shapes shapes{make_network(all, o.hidden, order, o.activation, Activation::linear, !o.hidden.empty()),
-                make_network(o.feedthrough ? all : order, layers, static_cast<int>(outputs), o.activation,
+                make_network(feedthrough ? all : order, layers, static_cast<int>(outputs), o.activation,
                              Activation::linear, !layers.empty() && !projected)};
   if (projected) shapes.output.layers.front().activation = Activation::linear;
   return shapes;
@@ -225,6 +238,31 @@ VectorXd decays_of(const Network& network, double decay) {
   return marked.theta();
 }
 
+// The weights of an integrating model's last state, which stay as they are, in the order of theta.
+std::vector<bool> fixed_weights(Shapes shapes, std::size_t experiments) {
+  const Index n = shapes.transition.outputs();
+  shapes.transition.set_theta(VectorXd::Zero(shapes.transition.parameters()));
+  shapes.transition.layers.front().w.col(n - 1).setOnes();
+  if (shapes.transition.direct.size() > 0) shapes.transition.direct.col(n - 1).setOnes();
+  const VectorXd marked = shapes.transition.theta();
+  std::vector<bool> fixed(static_cast<std::size_t>(shapes.parameters() + n * static_cast<Index>(experiments)), false);
+  for (Index i = 0; i < marked.size(); ++i) fixed[static_cast<std::size_t>(i)] = marked[i] != 0;
+  for (Index i = 0; i < shapes.output.parameters(); ++i) fixed[static_cast<std::size_t>(marked.size() + i)] = true;
+  return fixed;
+}
+
+// Whether the last state is the output and moves nothing but itself.
+bool is_integrating(const Shapes& shapes) {
+  const Network& f = shapes.transition;
+  const Index n = f.outputs();
+  const MatrixXd& way = f.direct.size() > 0 ? f.direct : f.layers.front().w;
+  const bool of_neurons = f.direct.size() > 0 && !f.layers.front().w.col(n - 1).isZero(0);
+  if (of_neurons || shapes.output.layers.size() > 1 || shapes.output.inputs() != n) return false;
+  VectorXd own = VectorXd::Zero(n + 1);
+  own[n - 1] = 1;
+  return way.col(n - 1) == own.head(n) && shapes.output.layers.front().w == own.transpose();
+}
+
 VectorXd joined(const Network& transition, const Network& output, const std::vector<VectorXd>& x0) {
   VectorXd theta(transition.parameters() + output.parameters() + transition.outputs() * static_cast<Index>(x0.size()));
   theta.head(transition.parameters()) = transition.theta();
@@ -244,40 +282,71 @@ struct Guess {
   double sse = std::numeric_limits<double>::infinity();
 };
 
-Guess make_start(const Beginning& b, const Task& task, Shapes shapes, const NeuralStateSpaceOptions& options,
-                 int number, Watch& watch) {
-  Random random = random_of_start(options.seed, number);
-  spread_neurons(shapes.transition, random);
-  MatrixXd AB(b.A.rows(), b.A.cols() + b.B.cols());
-  AB << b.A, b.B;
-  set_linear(shapes.transition, AB, VectorXd::Zero(b.A.rows()));
-  const MatrixXd y = task.filled.all_y();
-  MatrixXd rows(b.states.rows(), shapes.output.inputs());
-  rows.leftCols(b.states.cols()) = b.states;
-  if (rows.cols() > b.states.cols()) rows.rightCols(b.B.cols()) = task.data.all_u();
+// Least squares of each column of y by the rows and a constant, one row of coefficients for each.
+struct Linear {
+  MatrixXd matrix;
+  VectorXd constant;
+};
+Linear linear_map(const MatrixXd& rows, const MatrixXd& y) {
   MatrixXd with_one(rows.rows(), rows.cols() + 1);
   with_one << rows, VectorXd::Ones(rows.rows());
-  MatrixXd C(y.cols(), rows.cols());
-  VectorXd constant(y.cols());
-  double sse = 0;
+  Linear map{MatrixXd(y.cols(), rows.cols()), VectorXd(y.cols())};
   for (Index o = 0; o < y.cols(); ++o) {
     const LeastSquares fit = least_squares(with_one, y.col(o), {.ridge = free_decay});
-    C.row(o) = fit.theta.head(rows.cols()).transpose();
-    constant[o] = fit.theta[rows.cols()];
-    sse += fit.sse;
+    map.matrix.row(o) = fit.theta.head(rows.cols()).transpose();
+    map.constant[o] = fit.theta[rows.cols()];
   }
+  return map;
+}
+
+MatrixXd beside(const MatrixXd& left, const MatrixXd& right) {
+  MatrixXd both(left.rows(), left.cols() + right.cols());
+  both << left, right;
+  return both;
+}
+
+// The states of the beginning lead to the increments of the output, which the last state sums up.
+Guess integrating_start(const Beginning& b, const Task& task, Shapes shapes, Random& random) {
+  const Index n = shapes.transition.outputs(), inputs = b.B.cols();
+  const Linear map = linear_map(beside(b.states, task.data.all_u()), increments(task.filled).all_y());
+  MatrixXd matrix = MatrixXd::Zero(n, n + inputs);
+  matrix.topLeftCorner(n - 1, n - 1) = b.A;
+  matrix.topRightCorner(n - 1, inputs) = b.B;
+  matrix.bottomLeftCorner(1, n - 1) = map.matrix.leftCols(n - 1);
+  matrix.bottomRightCorner(1, inputs) = map.matrix.rightCols(inputs);
+  matrix(n - 1, n - 1) = 1;
+  VectorXd constant = VectorXd::Zero(n);
+  constant[n - 1] = map.constant[0];
+  spread_neurons(shapes.transition, random);
+  shapes.transition.layers.front().w.col(n - 1).setZero();
+  set_linear(shapes.transition, matrix, constant);
+  set_linear(shapes.output, MatrixXd::Identity(n, n).bottomRows(1), VectorXd::Zero(1));
+  std::vector<VectorXd> x0;
+  for (std::size_t i = 0; i < b.x0.size(); ++i) {
+    x0.emplace_back(n);
+    x0.back() << b.x0[i], task.filled.experiments[i].y(0, 0);
+  }
+  return {b.what, joined(shapes.transition, shapes.output, x0)};
+}
+
+// The states of the beginning lead to the outputs.
+Guess wiener_start(const Beginning& b, const Task& task, Shapes shapes, const NeuralStateSpaceOptions& options,
+                   Random& random, Watch& watch) {
+  spread_neurons(shapes.transition, random);
+  set_linear(shapes.transition, beside(b.A, b.B), VectorXd::Zero(b.A.rows()));
+  const MatrixXd y = task.filled.all_y();
+  const MatrixXd rows = shapes.output.inputs() > b.states.cols() ? beside(b.states, task.data.all_u()) : b.states;
+  const Linear map = linear_map(rows, y);
   spread_neurons(shapes.output, random);
-  set_linear(shapes.output, C, constant);
+  set_linear(shapes.output, map.matrix, map.constant);
   if (shapes.output.layers.size() > 1) {
     const StaticTraining training(shapes.output, rows, y);
     TrainingOptions how;
     how.iterations = 2 * trial_iterations;
     how.decays = decays_of(shapes.output, options.decay);
-    const TrainingResult result = train(training, shapes.output.theta(), how, watch);
-    shapes.output.set_theta(result.theta);
-    sse = result.sse;
+    shapes.output.set_theta(train(training, shapes.output.theta(), how, watch).theta);
   }
-  return {fmt::format("{}, start {}", b.what, number + 1), joined(shapes.transition, shapes.output, b.x0), sse};
+  return {b.what, joined(shapes.transition, shapes.output, b.x0)};
 }
 
 std::string line_of(const std::string& what, const TrainingResult& result, Index targets) {
@@ -359,10 +428,13 @@ NeuralStateSpace fit_neural_state_space(const DataSet& data, const NeuralStateSp
   if (std::any_of(delay.begin(), delay.end(), [](int d) { return d < 0; }))
     fail("a delay is a number of samples, 0 or more");
   const Task task = make_task(data, delay, nullptr, nullptr);
-  const std::vector<Beginning> begin = beginnings(task.filled, options.order);
+  const std::vector<Beginning> begin = options.integrating ? beginnings(increments(task.filled), options.order - 1)
+                                                           : beginnings(task.filled, options.order);
   const Shapes shapes = shapes_of(options.order, static_cast<Index>(data.inputs.size()),
                                   static_cast<Index>(data.outputs.size()), options);
   const StateSpaceTraining training(shapes.transition, shapes.output, task.data.experiments);
+  if (options.integrating && data.outputs.size() > 1)
+    fail("an integrating model has one output, the data {}", data.outputs.size());
   const int draws = options.output_hidden.empty() ? 1 : options.starts;
   const int ways = static_cast<int>(begin.size()) * draws;
   Watch watch(control, (options.output_hidden.empty() ? 0 : ways * 2 * trial_iterations) +
@@ -370,8 +442,13 @@ NeuralStateSpace fit_neural_state_space(const DataSet& data, const NeuralStateSp
 
   std::vector<Guess> starts(static_cast<std::size_t>(ways));
   parallel_for(ways, options.threads, [&](int i) {
-    starts[static_cast<std::size_t>(i)] =
-        make_start(begin[static_cast<std::size_t>(i / draws)], task, shapes, options, i, watch);
+    const Beginning& b = begin[static_cast<std::size_t>(i / draws)];
+    Random random = random_of_start(options.seed, i);
+    Guess guess = options.integrating ? integrating_start(b, task, shapes, random)
+                                      : wiener_start(b, task, shapes, options, random, watch);
+    guess.what += fmt::format(", start {}", i + 1);
+    guess.sse = training.sse(guess.theta);
+    starts[static_cast<std::size_t>(i)] = std::move(guess);
   });
   // The best ones first, and of those the best one of each beginning.
   const auto less = [](const Guess& a, const Guess& b) { return a.sse < b.sse; };
@@ -397,6 +474,7 @@ NeuralStateSpace fit_neural_state_space(const DataSet& data, const NeuralStateSp
     f.set_theta(again.theta.head(f.parameters()));
     Random random = random_of_start(options.seed, ways + static_cast<int>(i));
     spread_neurons(f, random);
+    if (options.integrating) f.layers.front().w.col(f.outputs() - 1).setZero();
     again.theta.head(f.parameters()) = f.theta();
     again.what += fmt::format(", other neurons {}", i + 1);
     starts.push_back(std::move(again));
@@ -408,7 +486,7 @@ NeuralStateSpace fit_neural_state_space(const DataSet& data, const NeuralStateSp
   how.decays.head(shapes.transition.parameters()) = decays_of(shapes.transition, options.decay);
   how.decays.segment(shapes.transition.parameters(), shapes.output.parameters()) =
       decays_of(shapes.output, options.decay);
-  how.lambda = 1;
+  if (options.integrating) how.fixed = fixed_weights(shapes, data.experiments.size());
   const auto train_all = [&](int count, int iterations, const std::vector<VectorXd>& from) {
     TrainingOptions own = how;
     own.iterations = iterations;
@@ -466,6 +544,7 @@ NeuralStateSpace refine(const NeuralStateSpace& model, const DataSet& data, cons
   how.decays.head(shapes.transition.parameters()) = decays_of(shapes.transition, options.decay);
   how.decays.segment(shapes.transition.parameters(), shapes.output.parameters()) =
       decays_of(shapes.output, options.decay);
+  if (is_integrating(shapes)) how.fixed = fixed_weights(shapes, data.experiments.size());
   const TrainingResult result =
       train(training, joined(shapes.transition, shapes.output, first_states(model, data)), how, watch);
   if (!std::isfinite(result.criterion)) fail("the model runs away on these data from the start");

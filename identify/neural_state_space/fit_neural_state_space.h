@@ -18,6 +18,9 @@ struct NeuralStateSpaceOptions {
   // path past them. With 1 and a linear transition that is a Wiener model. 0: they see everything, beside a direct
   // path.
   int projections = 0;
+  // The last state is the output itself, and nothing but its own next value depends on it: x_n(k+1) = x_n + f_n, as of
+  // a position that is driven by a speed. For one output.
+  bool integrating = false;
   Activation activation = Activation::tanh;
   std::vector<int> delay;   // of each input or once for all, samples; none: 0
   bool feedthrough = true;  // whether the output reads the inputs

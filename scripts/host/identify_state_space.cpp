@@ -21,13 +21,14 @@ std::vector<int> layers(lua_State* L, const Options& o, const char* key) {
 
 int neural_state_space(lua_State* L) {
   const Options o(L, 2, "the options of neural_state_space",
-                  {"order", "hidden", "output_hidden", "projections", "activation", "delay", "feedthrough", "decay",
-                   "iterations", "starts", "refined", "seed"});
+                  {"order", "hidden", "output_hidden", "projections", "integrating", "activation", "delay",
+                   "feedthrough", "decay", "iterations", "starts", "refined", "seed"});
   identify::NeuralStateSpaceOptions n;
   n.order = integer(o, "order", n.order);
   if (o.has("hidden")) n.hidden = layers(L, o, "hidden");
   if (o.has("output_hidden")) n.output_hidden = layers(L, o, "output_hidden");
   if (o.has("activation")) n.activation = identify::find_activation(o.text("activation"));
+  n.integrating = o.flag("integrating");
   n.projections = integer(o, "projections", 0);
   n.delay = integers(L, o, "delay");
   if (o.has("feedthrough")) n.feedthrough = o.flag("feedthrough");
@@ -87,7 +88,7 @@ Entries identify_state_space_functions() {
   return {
       {"neural_state_space", guarded<neural_state_space>,
        "data: pl.DataSet, options?: {order?: integer, hidden?: integer|integer[], output_hidden?: integer|integer[], "
-       "projections?: integer, "
+       "projections?: integer, integrating?: boolean, "
        "activation?: string, delay?: integer|integer[], feedthrough?: boolean, decay?: number, iterations?: integer, "
        "starts?: integer, refined?: integer, seed?: integer}",
        "pl.NeuralStateSpace",
