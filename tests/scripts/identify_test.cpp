@@ -80,6 +80,26 @@ TEST_F(Identification, LearnsNetworksLocalModelsAndGaussianProcesses) {
             "120\ttrue\toptimal brain surgeon");
 }
 
+// Variances are the diagonal of each row's covariances.
+TEST_F(Identification, CarriesTheUncertaintyOfSeveralOutputs) {
+  EXPECT_EQ(printed(R"lua(
+      local I = pl.identify
+      local u = I.staircase{samples = 80, hold = 4, lower = -1, upper = 1, seed = 1}
+      local rows = {{0, 0}}
+      for k = 2, 80 do
+        local a, b = rows[k - 1][1], rows[k - 1][2]
+        rows[k] = {0.7*a + 0.2*b + 0.3*u[k - 1], 0.5*b - 0.4*math.sin(a)}
+      end
+      local d = I.data{u = u, y = pl.matrix(rows), Ts = 1}
+      local m = I.gaussian_process(d, {regressors = "y1(k-1), y2(k-1), u(k-1)", starts = 1, iterations = 30})
+      for _, how in ipairs{"naive", "first_order", "moment_matching"} do
+        local mean, variance, covariance = m:uncertain(d, {propagation = how})
+        print(#mean[80], #covariance[80], covariance(80, 1) == variance(80, 1), covariance(80, 4) == variance(80, 2),
+              covariance(80, 2) == covariance(80, 3), covariance(80, 2) ~= 0)
+      end)lua"),
+            "2\t4\ttrue\ttrue\ttrue\tfalse\n2\t4\ttrue\ttrue\ttrue\ttrue\n2\t4\ttrue\ttrue\ttrue\ttrue");
+}
+
 TEST_F(Identification, TrainsNetworksOnThroughTime) {
   EXPECT_EQ(printed("local I = pl.identify\n"
                     "local u = I.staircase{samples = 300, hold = 5, lower = -1, upper = 1, seed = 1}\n"
