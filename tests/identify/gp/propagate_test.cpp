@@ -51,10 +51,13 @@ UncertainPrediction by_quadrature(const std::vector<GaussianProcess>& models, co
   MatrixXd apart(x.rows(), m);
   UncertainPrediction result{VectorXd(m), MatrixXd::Zero(m, m), MatrixXd(m, 2)};
   for (Index o = 0; o < m; ++o) {
-    const Prediction at = models[static_cast<std::size_t>(o)].predict(x);
-    result.mean[o] = w.dot(at.mean);
-    result.covariance(o, o) = w.dot(at.variance);
-    apart.col(o) = at.mean.array() - result.mean[o];
+    for (Index i = 0; i < x.rows(); i += nodes) {
+      const Prediction at = models[static_cast<std::size_t>(o)].predict(x.middleRows(i, nodes));
+      apart.col(o).segment(i, nodes) = at.mean;
+      result.covariance(o, o) += w.segment(i, nodes).dot(at.variance);
+    }
+    result.mean[o] = w.dot(apart.col(o));
+    apart.col(o).array() -= result.mean[o];
   }
   result.covariance += apart.transpose() * w.asDiagonal() * apart;
   result.slope = apart.transpose() * w.asDiagonal() * MatrixXd(x.rowwise() - point.mean.transpose());
