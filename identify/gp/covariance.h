@@ -57,6 +57,8 @@ class Covariance {
   // Of points with this many columns; and how often v0 stands on the diagonal at each point. See slopes.h.
   virtual int inputs_of(Eigen::Index columns) const { return static_cast<int>(columns); }
   virtual Vector noise_weight(const Matrix& x) const { return Vector::Ones(x.rows()); }
+  // Of a measurement at each point: v0, or the point's own.
+  virtual Vector noise_variances(const Matrix& x, double v0) const { return Vector::Constant(x.rows(), v0); }
   // The form as a sum of Gaussians times affine factors, added to `list`: moment matching needs it. False: it is none.
   virtual bool terms(const Vector& theta, int inputs, std::vector<GaussianTerm>& list) const {
     (void)theta, (void)inputs, (void)list;

@@ -28,12 +28,15 @@ Hyperparameters from_logs(const VectorXd& logs) {
   return {logs.head(p).array().exp().matrix(), std::exp(logs[p])};
 }
 
+VectorXd logs_of(const Hyperparameters& at) {
+  VectorXd logs(at.theta.size() + 1);
+  logs << at.theta.array().log().matrix(), std::log(at.v0);
+  return logs;
+}
+
 VectorXd first_guess(const Covariance& covariance, const MatrixXd& x, const VectorXd& y) {
   const double v = variance_of(y), variance = v > 0 ? v : 1;
-  const VectorXd theta = covariance.guess(x, variance);
-  VectorXd logs(theta.size() + 1);
-  logs << theta.array().log().matrix(), std::log(0.01 * variance);
-  return logs;
+  return logs_of({covariance.guess(x, variance), 0.01 * variance});
 }
 
 VectorXd random_start(const VectorXd& guess, std::uint64_t seed, int number) {
@@ -87,6 +90,18 @@ void warn_of_data(const MatrixXd& x, Index inputs, const VectorXd& y, std::vecto
                     repeated, x.rows()));
 }
 
+void warn_of_numbers(const GaussianProcess& model, std::vector<std::string>& warnings) {
+  if (model.jitter() > 0)
+    warnings.push_back(fmt::format(
+        "The covariances were singular to working precision; a jitter of {:.2g} was added to their diagonal.",
+        model.jitter()));
+  const double scale = model.covariance().at(model.hyperparameters().theta, model.x()).mean();
+  if (model.hyperparameters().v0 < 1e-9 * scale)
+    warnings.push_back(fmt::format(
+        "The noise variance {:.2g} is below 1e-9 of the function's; predicted variances are limited by rounding.",
+        model.hyperparameters().v0));
+}
+
 void warn_of_result(const GaussianProcess& model, const VectorXd& guess, double bound,
                     std::vector<std::string>& warnings) {
   const Hyperparameters& found = model.hyperparameters();
@@ -101,15 +116,7 @@ void warn_of_result(const GaussianProcess& model, const VectorXd& guess, double 
   if (variance > 0 && found.v0 > 0.9 * variance)
     warnings.push_back(fmt::format(
         "The noise variance {:.3g} explains nearly the whole variance {:.3g} of the targets.", found.v0, variance));
-  if (model.jitter() > 0)
-    warnings.push_back(fmt::format(
-        "The covariances were singular to working precision; a jitter of {:.2g} was added to their diagonal.",
-        model.jitter()));
-  const double scale = model.covariance().at(found.theta, model.x()).mean();
-  if (found.v0 < 1e-9 * scale)
-    warnings.push_back(fmt::format(
-        "The noise variance {:.2g} is below 1e-9 of the function's; predicted variances are limited by rounding.",
-        found.v0));
+  warn_of_numbers(model, warnings);
 }
 
 // The different optima, best first.
@@ -151,7 +158,19 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
   report.options = {fmt::format("covariance {}", covariance->name()), fmt::format("mean {}", options.mean)};
   warn_of_data(x, covariance->inputs_of(x.cols()), y, report.warnings);
 
-  const VectorXd guess = first_guess(*covariance, x, y);
+  if (options.start) check_hyperparameters(*covariance, covariance->inputs_of(x.cols()), *options.start);
+  if (options.start && options.max_iterations == 0) {
+    GaussianProcess model(covariance, mean, *options.start, x, y);
+    report.method = "hyperparameters as given";
+    report.seed = 0;
+    report.reached = model.log_likelihood();
+    report.stopped = "nothing was trained";
+    warn_of_numbers(model, report.warnings);
+    return {std::move(model), std::move(report), {}};
+  }
+  if (options.start && !(options.start->v0 > 0))
+    throw IdentifyError("the noise variance v0 is 0; a fit that begins there needs one greater than 0");
+  const VectorXd guess = options.start ? logs_of(*options.start) : first_guess(*covariance, x, y);
   if (!guess.allFinite()) fail("the numbers of the data are too large or too small; normalise them first");
   std::vector<Minimum> ends(static_cast<std::size_t>(options.starts));
   Watch watch(control, static_cast<double>(options.starts) * options.max_iterations);
@@ -183,7 +202,7 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
 LeaveOneOut cross_validate(const GaussianProcess& model, int folds, bool refit) {
   const Index n = model.size();
   if (folds < 2 || folds > n) fail("{} folds of {} rows; there must be from 2 to {} folds", folds, n, n);
-  LeaveOneOut result{VectorXd(n), VectorXd(n), 0};
+  LeaveOneOut result{VectorXd(n), VectorXd(n), {}, 0};
   std::vector<std::vector<Index>> members(static_cast<std::size_t>(folds));
   for (Index i = 0; i < n; ++i) members[static_cast<std::size_t>(i * folds / n)].push_back(i);
   for (const std::vector<Index>& held : members) {
@@ -195,8 +214,7 @@ LeaveOneOut cross_validate(const GaussianProcess& model, int folds, bool refit) 
     const VectorXd y = model.y()(rest);
     Hyperparameters at = model.hyperparameters();
     if (refit) {
-      VectorXd logs(at.theta.size() + 1);
-      logs << at.theta.array().log().matrix(), std::log(at.v0);
+      const VectorXd logs = logs_of(at);
       Watch watch({}, 1);
       const Minimum end = maximise(model.covariance(), model.mean_function(), x, y, logs, logs, {}, watch);
       if (std::isfinite(end.value)) at = from_logs(end.x);
@@ -204,11 +222,10 @@ LeaveOneOut cross_validate(const GaussianProcess& model, int folds, bool refit) 
     const GaussianProcess part(model.shared_covariance(), model.mean_function(), at, x, y);
     const Prediction predicted = part.predict(model.x()(held, Eigen::all));
     result.mean(held) = predicted.mean;
-    result.variance(held) = predicted.variance.array() + at.v0;
+    result.variance(held) = predicted.variance + model.covariance().noise_variances(model.x()(held, Eigen::all), at.v0);
   }
-  const Eigen::ArrayXd error = model.y() - result.mean;
-  result.log_probability =
-      -0.5 * (result.variance.array().log() + error.square() / result.variance.array() + 1.8378770664093453).sum();
+  result.log_density = log_densities(model.y(), result.mean, result.variance);
+  result.log_probability = result.log_density.sum();
   return result;
 }
 

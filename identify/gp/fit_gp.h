@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct GpOptions {
   double bound = 12;  // the logarithms stay within this distance of the guess
   std::uint64_t seed = 1;
   int threads = 0;  // 0: as many as the machine has; the result does not depend on it
+  // Where the first start begins instead of the guess. With max_iterations = 0 the process is made of them as they are.
+  std::optional<Hyperparameters> start;
 };
 
 // One of the optima that were found.

@@ -1,4 +1,4 @@
-// Prediction from a Cholesky factor.
+// The likelihood of an exact process, and what it tells of its own points.
 
 #include "identify/gp/gaussian_process.h"
 
@@ -46,44 +46,15 @@ double value_of(const MatrixXd& factor, const VectorXd& r, const VectorXd& alpha
 
 }  // namespace
 
-MeanFunction find_mean_function(const std::string& name) {
-  if (name == "zero") return MeanFunction::zero;
-  if (name == "constant") return MeanFunction::constant;
-  if (name == "linear") return MeanFunction::linear;
-  fail("there is no mean function '{}'; there are zero, constant, linear", name);
-}
-
-std::string name_of(MeanFunction mean) {
-  return mean == MeanFunction::zero ? "zero" : mean == MeanFunction::constant ? "constant" : "linear";
-}
-
-MatrixXd mean_basis(MeanFunction mean, const MatrixXd& x) {
-  if (mean == MeanFunction::zero) return MatrixXd(x.rows(), 0);
-  if (mean == MeanFunction::constant) return MatrixXd::Ones(x.rows(), 1);
-  MatrixXd h(x.rows(), x.cols() + 1);
-  h << VectorXd::Ones(x.rows()), x;
-  return h;
-}
-
-void check_data(const MatrixXd& x, const VectorXd& y) {
-  if (x.rows() == 0 || y.size() == 0) throw IdentifyError("the data has no rows");
-  if (x.rows() != y.size()) fail("the inputs have {} rows and the targets {}; they must agree", x.rows(), y.size());
-  for (Index i = 0; i < x.rows(); ++i) {
-    if (!std::isfinite(y[i])) fail("the target in row {} is {}, not a finite number", i + 1, y[i]);
-    for (Index d = 0; d < x.cols(); ++d) {
-      if (!std::isfinite(x(i, d))) fail("input {} in row {} is {}, not a finite number", d + 1, i + 1, x(i, d));
-    }
-  }
-}
-
 Likelihood log_likelihood(const Covariance& covariance, MeanFunction mean, const Hyperparameters& at, const MatrixXd& x,
-                          const VectorXd& y, bool with_gradient) {
+                          const VectorXd& y, bool with_gradient, double jitter) {
   const Index p = at.theta.size();
   Likelihood result{-std::numeric_limits<double>::infinity(), VectorXd::Zero(p + 1)};
   const MatrixXd values = covariance.lower(at.theta, x);
   MatrixXd factor = values;
   const VectorXd noise = covariance.noise_weight(x);
   factor.diagonal() += at.v0 * noise;
+  factor.diagonal().array() += jitter;
   if (!factorise(factor)) return result;
   const VectorXd r = residual(mean, fit_mean(mean, factor, x, y), x, y);
   const VectorXd alpha = solved(factor, r);
@@ -102,77 +73,33 @@ Likelihood log_likelihood(const Covariance& covariance, MeanFunction mean, const
 
 GaussianProcess::GaussianProcess(std::shared_ptr<const Covariance> covariance, MeanFunction mean,
                                  Hyperparameters hyperparameters, MatrixXd x, VectorXd y)
-    : covariance_(std::move(covariance)),
-      mean_(mean),
-      hyperparameters_(std::move(hyperparameters)),
-      x_(std::move(x)),
-      y_(std::move(y)) {
+    : GpPosterior(std::move(covariance), mean, std::move(hyperparameters), std::move(x)), y_(std::move(y)) {
   check_data(x_, y_);
-  const std::vector<std::string> names = covariance_->names(inputs());
-  const VectorXd& theta = hyperparameters_.theta;
-  if (theta.size() != static_cast<Index>(names.size()))
-    fail("covariance '{}' with {} inputs has {} hyperparameters ({}), but {} are given", covariance_->name(), inputs(),
-         names.size(), fmt::join(names, ", "), theta.size());
-  for (Index i = 0; i < theta.size(); ++i) {
-    if (!(theta[i] > 0) || !std::isfinite(theta[i]))
-      fail("hyperparameter {} is {:g}; it must be greater than 0", names[static_cast<std::size_t>(i)], theta[i]);
-  }
-  if (!(hyperparameters_.v0 >= 0) || !std::isfinite(hyperparameters_.v0))
-    fail("the noise variance v0 is {:g}; it must be 0 or greater", hyperparameters_.v0);
-  MatrixXd k = covariance_->lower(theta, x_);
+  MatrixXd k = covariance_->lower(hyperparameters_.theta, x_);
   k.diagonal() += hyperparameters_.v0 * covariance_->noise_weight(x_);
-  const double scale = k.diagonal().mean();
-  for (double jitter = 0; jitter <= 1.1e-4; jitter = jitter == 0 ? 1e-12 : 10 * jitter) {
-    jitter_ = jitter * scale;
-    factor_ = k;
-    factor_.diagonal().array() += jitter_;
-    if (!factorise(factor_)) continue;
-    coefficients_ = fit_mean(mean_, factor_, x_, y_);
-    solve_alpha();
-    return;
-  }
-  fail(
-      "the covariances of the {} points are not positive definite, even with a jitter of 1e-4 of their mean; "
-      "a greater noise variance v0 (now {:g}) would help",
-      size(), hyperparameters_.v0);
+  if (!factorise_with_jitter(k, 0, 1e-4))
+    fail(
+        "the covariances of the {} points are not positive definite, even with a jitter of 1e-4 of their mean; "
+        "a greater noise variance v0 (now {:g}) would help",
+        size(), hyperparameters_.v0);
+  coefficients_ = fit_mean(mean_, factor_, x_, y_);
+  solve_alpha();
 }
 
-void GaussianProcess::solve_alpha() { alpha_ = solved(factor_, residual(mean_, coefficients_, x_, y_)); }
+void GaussianProcess::solve_alpha() {
+  whitened_ = residual(mean_, coefficients_, x_, y_);
+  solve_lower(factor_, whitened_);
+  alpha_ = whitened_;
+  solve_lower_transposed(factor_, alpha_);
+}
 
 double GaussianProcess::log_likelihood() const {
   const VectorXd r = residual(mean_, coefficients_, x_, y_);
   return value_of(factor_, r, alpha_);
 }
 
-VectorXd GaussianProcess::predict_mean(const MatrixXd& x) const {
-  VectorXd mean = covariance_->between(hyperparameters_.theta, x_, x).transpose() * alpha_;
-  if (coefficients_.size() > 0) mean += mean_basis(mean_, x) * coefficients_;
-  return mean;
-}
-
-Prediction GaussianProcess::predict(const MatrixXd& x) const {
-  Prediction result;
-  MatrixXd k = covariance_->between(hyperparameters_.theta, x_, x);
-  result.mean = k.transpose() * alpha_;
-  if (coefficients_.size() > 0) result.mean += mean_basis(mean_, x) * coefficients_;
-  solve_lower(factor_, k);
-  // Rounding may leave a tiny negative number where the function is known.
-  result.variance = (covariance_->at(hyperparameters_.theta, x) - k.colwise().squaredNorm().transpose()).cwiseMax(0.0);
-  return result;
-}
-
-VectorXd GaussianProcess::mean_gradient(const VectorXd& x) const {
-  VectorXd gradient = covariance_->input_gradient(hyperparameters_.theta, x, x_).transpose() * alpha_;
-  if (mean_ == MeanFunction::linear) gradient += coefficients_.tail(x.size());
-  return gradient;
-}
-
-VectorXd GaussianProcess::variance_gradient(const VectorXd& x) const {
-  const VectorXd k = covariance_->between(hyperparameters_.theta, x_, x.transpose());
-  const MatrixXd dk = covariance_->input_gradient(hyperparameters_.theta, x, x_);
-  // k(x, x) depends on x through both arguments alike: twice the slope at equal points.
-  const VectorXd own = 2 * covariance_->input_gradient(hyperparameters_.theta, x, x.transpose()).row(0).transpose();
-  return own - 2 * dk.transpose() * solved(factor_, k);
+Likelihood GaussianProcess::likelihood() const {
+  return plantloop::identify::log_likelihood(*covariance_, mean_, hyperparameters_, x_, y_, true, jitter_);
 }
 
 LeaveOneOut GaussianProcess::leave_one_out() const {
@@ -180,10 +107,9 @@ LeaveOneOut GaussianProcess::leave_one_out() const {
   invert_factored(inverse);
   LeaveOneOut result;
   result.variance = inverse.diagonal().cwiseInverse();
-  const VectorXd error = alpha_.cwiseProduct(result.variance);
-  result.mean = y_ - error;
-  result.log_probability =
-      -0.5 * (result.variance.array().log() + error.array().square() / result.variance.array() + log_two_pi).sum();
+  result.mean = y_ - alpha_.cwiseProduct(result.variance);
+  result.log_density = log_densities(y_, result.mean, result.variance);
+  result.log_probability = result.log_density.sum();
   return result;
 }
 
@@ -193,7 +119,8 @@ void GaussianProcess::add(const VectorXd& x, double y) {
   const Index n = x_.rows();
   VectorXd row = covariance_->between(hyperparameters_.theta, x_, x.transpose());
   solve_lower(factor_, row);
-  const double own = covariance_->at(hyperparameters_.theta, x.transpose())[0] + hyperparameters_.v0 + jitter_;
+  const double own = covariance_->at(hyperparameters_.theta, x.transpose())[0] +
+                     covariance_->noise_variances(x.transpose(), hyperparameters_.v0)[0] + jitter_;
   const double square = own - row.squaredNorm();
   if (!(square > 1e-14 * own))
     throw IdentifyError(

@@ -18,11 +18,13 @@ namespace plantloop::identify {
 
 class GpMap final : public Approximator {
  public:
+  using Processes = std::vector<std::shared_ptr<const GpPosterior>>;
   // Raises IdentifyError when sizes differ or there is no process.
-  GpMap(std::vector<GaussianProcess> processes, Scaling x, Scaling y);
+  GpMap(Processes processes, Scaling x, Scaling y);
+  GpMap(const std::vector<GaussianProcess>& processes, Scaling x, Scaling y);
 
   std::string type() const override { return "gaussian_process"; }
-  int inputs() const override { return processes_.front().inputs(); }
+  int inputs() const override { return processes_.front()->inputs(); }
   int outputs() const override { return static_cast<int>(processes_.size()); }
   int scratch_size() const override { return 0; }
   void evaluate(const double* x, double* y, double* scratch) const override;
@@ -33,14 +35,22 @@ class GpMap final : public Approximator {
   void write(Item& item) const override;
 
   // Of a measurement of the output, in its units.
-  double noise_variance(int output) const;
-  const std::vector<GaussianProcess>& processes() const { return processes_; }
+  double noise_variance(Eigen::Index output) const;
+  // Of the targets in their units: densities of normalised ones, divided by the scales. The derivatives are by the
+  // logarithms of the hyperparameters, which are those between normalised numbers.
+  double log_likelihood(Eigen::Index output) const;
+  Likelihood likelihood(Eigen::Index output) const;
+  LeaveOneOut leave_one_out(Eigen::Index output) const;
+  const Processes& processes() const { return processes_; }
+  const GpPosterior& process(Eigen::Index output) const { return *processes_[static_cast<std::size_t>(output)]; }
   const Scaling& x_scaling() const { return x_; }
   const Scaling& y_scaling() const { return y_; }
 
  private:
   Eigen::MatrixXd point(const double* x) const;
-  std::vector<GaussianProcess> processes_;
+  // What a target of the process stands for in the user's units; of slopes too.
+  Eigen::VectorXd target_scales(Eigen::Index output) const;
+  Processes processes_;
   Scaling x_, y_;
 };
 
@@ -53,16 +63,25 @@ struct GpMapFit {
   FitReport report;  // of the first output; the others add their lines
 };
 
-// Normalises, and fits a process for each output. From more than `most` rows those are taken that lie far from each
-// other. X: N x D, Y: N x outputs. Raises IdentifyError.
-// `observations`: what else is known of each output, or none.
-GpMapFit fit_gp_map(const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y, const GpOptions& options = {}, int most = 1000,
+struct GpModelOptions {
+  GpOptions process;  // of each output
+  int most = 1000;    // from more rows those are taken that lie far from each other
+  bool normalise = true;
+  // Of each output, or one for all: GpOptions::start, between normalised numbers.
+  std::vector<Hyperparameters> given;
+};
+
+// A process for each output. X: N x D, Y: N x outputs; `observations`: what else is known of each output, or none.
+// Raises IdentifyError.
+GpMapFit fit_gp_map(const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y, const GpModelOptions& options = {},
                     const FitControl& control = {}, const std::vector<std::vector<Observation>>& observations = {});
 // The same for regressors of data; `local_models` are linear models about their operating points, which stand for
 // observations_of() them (J. Kocijan, D. Leith 2004; K. Azman, J. Kocijan 2007).
-NarxModel fit_narx_gp(const DataSet& data, const RegressorSet& regressors, const GpOptions& options = {},
-                      int most = 1000, const FitControl& control = {},
-                      const std::vector<PolynomialModel>& local_models = {});
+NarxModel fit_narx_gp(const DataSet& data, const RegressorSet& regressors, const GpModelOptions& options = {},
+                      const FitControl& control = {}, const std::vector<PolynomialModel>& local_models = {});
+inline NarxModel fit_narx_gp(const DataSet& data, const RegressorSet& regressors, const GpOptions& process) {
+  return fit_narx_gp(data, regressors, GpModelOptions{.process = process});
+}
 
 // The free run of a model that knows how uncertain it is, one sample after the other. All outputs are fed back, and the
 // state holds mean and covariance of the last ones together: n = depth x outputs numbers, newest sample first and

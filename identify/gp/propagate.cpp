@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-std::vector<GaussianTerm> terms_of(const GaussianProcess& model) {
+std::vector<GaussianTerm> terms_of(const GpPosterior& model) {
   if (model.x().cols() > model.inputs())
     fail("moment matching is for observed values, this model has observed slopes too; first_order works with both");
   std::vector<GaussianTerm> terms;
@@ -32,9 +32,16 @@ std::vector<GaussianTerm> terms_of(const GaussianProcess& model) {
 }
 
 // The part of the mean function that is linear in x.
-VectorXd own_slope(const GaussianProcess& model) {
+VectorXd own_slope(const GpPosterior& model) {
   const VectorXd& b = model.mean_coefficients();
   return b.size() > 1 ? VectorXd(b.tail(b.size() - 1)) : VectorXd::Zero(model.inputs());
+}
+
+template <typename Models, typename Address>
+std::vector<const GpPosterior*> pointers_to(const Models& models, Address address) {
+  std::vector<const GpPosterior*> pointers;
+  for (const auto& model : models) pointers.push_back(address(model));
+  return pointers;
 }
 
 }  // namespace
@@ -46,27 +53,31 @@ Propagation find_propagation(const std::string& name) {
   fail("there is no propagation '{}'; there are naive, first_order, moment_matching", name);
 }
 
+Propagator::Propagator(const std::vector<std::shared_ptr<const GpPosterior>>& models, Propagation method)
+    : Propagator(pointers_to(models, [](const auto& model) { return model.get(); }), method) {}
+
 Propagator::Propagator(const std::vector<GaussianProcess>& models, Propagation method)
-    : models_(models), method_(method) {
+    : Propagator(pointers_to(models, [](const auto& model) { return &model; }), method) {}
+
+Propagator::Propagator(std::vector<const GpPosterior*> models, Propagation method)
+    : models_(std::move(models)), method_(method) {
   if (method != Propagation::moment_matching) return;
   Index points = 0;
-  for (const GaussianProcess& model : models) {
-    terms_.push_back(terms_of(model));
-    whitened_.emplace_back(model.factor().triangularView<Eigen::Lower>().transpose() * model.alpha());
+  bool any_sparse = false;
+  for (const GpPosterior* model : models_) {
+    terms_.push_back(terms_of(*model));
     first_.push_back(points);
-    points += model.size();
+    points += model->x().rows();
+    any_sparse = any_sparse || model->is_sparse();
   }
   first_.push_back(points);
-  // Columns cost as much as the matrix itself where there are some hundred points: then some must do.
+  // Columns cost as much as the matrix itself where there are some hundred points: then some must do. Inducing inputs
+  // are few, and their beta is too large for what is left.
   const auto size = static_cast<double>(points);
-  rank_ = std::min<Index>(points, std::max<Index>(48, static_cast<Index>(4e6 / size / size)));
+  rank_ = any_sparse ? points : std::min<Index>(points, std::max<Index>(48, static_cast<Index>(4e6 / size / size)));
   if (rank_ == points) return;
-  for (const GaussianProcess& model : models) {
-    MatrixXd spread = model.factor();
-    invert_factored(spread);
-    mirror_lower(spread);
-    spread_.emplace_back(model.alpha() * model.alpha().transpose() - spread);
-  }
+  for (const GpPosterior* model : models_)
+    spread_.emplace_back(model->alpha() * model->alpha().transpose() - model->precision());
 }
 
 UncertainPrediction Propagator::predict(const UncertainPoint& point) const {
@@ -78,7 +89,7 @@ UncertainPrediction Propagator::first_order(const UncertainPoint& point) const {
   const auto count = static_cast<Index>(models_.size());
   UncertainPrediction result{VectorXd(count), MatrixXd::Zero(count, count), MatrixXd::Zero(count, point.mean.size())};
   for (Index a = 0; a < count; ++a) {
-    const GaussianProcess& model = models_[static_cast<std::size_t>(a)];
+    const GpPosterior& model = *models_[static_cast<std::size_t>(a)];
     const Prediction at = model.predict(point.mean.transpose());
     result.mean[a] = at.mean[0];
     result.covariance(a, a) = at.variance[0];
@@ -93,7 +104,7 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
   const std::size_t count = models_.size();
   const auto outputs = static_cast<Index>(count);
   std::vector<KernelMoments> moments;
-  for (std::size_t a = 0; a < count; ++a) moments.emplace_back(terms_[a], models_[a].x(), point);
+  for (std::size_t a = 0; a < count; ++a) moments.emplace_back(terms_[a], models_[a]->x(), point);
   std::vector<std::vector<KernelPairs>> pairs(count);
   VectorXd diagonal(first_.back()), enough(first_.back());
   for (std::size_t a = 0; a < count; ++a) {
@@ -108,7 +119,7 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
     while (first_[b + 1] <= j) ++b;
     VectorXd all(first_.back());
     for (std::size_t a = 0; a < count; ++a)
-      all.segment(first_[a], models_[a].size()) = pairs[a][b].column(j - first_[b]);
+      all.segment(first_[a], models_[a]->x().rows()) = pairs[a][b].column(j - first_[b]);
     return all;
   };
   bool finished = true;
@@ -120,15 +131,15 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
   MatrixXd own(outputs, point.mean.size());
   for (Index o = 0; o < outputs; ++o) {
     const auto a = static_cast<std::size_t>(o);
-    const GaussianProcess& model = models_[a];
+    const GpPosterior& model = *models_[a];
     VectorXd q = moments[a].q;
     solve_lower(model.factor(), q);
-    MatrixXd H = G.middleRows(first_[a], model.size());
+    MatrixXd H = G.middleRows(first_[a], model.x().rows());
     solve_lower(model.factor(), H);
-    mixed.col(o) = H.transpose() * whitened_[a];
-    result.mean[o] = whitened_[a].dot(q);
-    result.slope.row(o) = (moments[a].g.transpose() * model.alpha()).transpose();
-    certain[o] = moments[a].k - q.squaredNorm() - H.squaredNorm();
+    mixed.col(o) = H.transpose() * model.whitened();
+    result.mean[o] = model.whitened().dot(q);
+    result.slope.row(o) = model.weighted(moments[a].g).transpose();
+    certain[o] = moments[a].k - model.known(q) - model.known(H);
     own.row(o) = own_slope(model).transpose();
     if (model.mean_coefficients().size() > 0) result.mean[o] += model.mean_coefficients()[0];
   }
@@ -149,13 +160,13 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
 void Propagator::add_rest(const std::vector<std::vector<KernelPairs>>& pairs, const MatrixXd& G,
                           MatrixXd& covariance) const {
   for (std::size_t a = 0; a < models_.size(); ++a) {
-    const auto G_a = G.middleRows(first_[a], models_[a].size());
+    const auto G_a = G.middleRows(first_[a], models_[a]->x().rows());
     for (std::size_t b = 0; b <= a; ++b) {
-      const auto G_b = G.middleRows(first_[b], models_[b].size());
+      const auto G_b = G.middleRows(first_[b], models_[b]->x().rows());
       double sum = 0;
-      for (Index j = 0; j < models_[b].size(); ++j) {
+      for (Index j = 0; j < models_[b]->x().rows(); ++j) {
         const VectorXd rest = pairs[a][b].column(j) - G_a * G_b.row(j).transpose();
-        sum += a == b ? spread_[a].col(j).dot(rest) : models_[a].alpha().dot(rest) * models_[b].alpha()[j];
+        sum += a == b ? spread_[a].col(j).dot(rest) : models_[a]->alpha().dot(rest) * models_[b]->alpha()[j];
       }
       const auto i = static_cast<Index>(a), k = static_cast<Index>(b);
       covariance(i, k) += sum;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "identify/gp/gaussian_process.h"
 #include "identify/gp/gaussian_terms.h"
+#include "identify/gp/posterior.h"
 
 namespace plantloop::identify {
 
@@ -27,17 +29,18 @@ class Propagator {
  public:
   // One model for each function, of the same inputs. Throws IdentifyError when a covariance has no closed moments and
   // the method is moment_matching.
+  Propagator(const std::vector<std::shared_ptr<const GpPosterior>>& models, Propagation method);
   Propagator(const std::vector<GaussianProcess>& models, Propagation method);
 
   // naive: S is ignored, slopes and covariances are 0. first_order: with J = the means' slopes at mu, mean m(mu),
   // covariance diag(var(mu)) + J S J', slope J.
   // moment_matching: the exact mean and covariance of the mixture over x (M. Deisenroth, C. Rasmussen 2011):
-  //   m_a = beta_a' q_a,  cov_ab = beta_a' C_ab beta_b,  beta_a = K_a^-1 y_a,
-  //   var_a = E k_a(x, x) - q_a' K_a^-1 q_a + tr((beta_a beta_a' - K_a^-1) C_aa),
-  // with q_a = E k_a(x, X_a) and C_ab = cov(k_a(X_a, x), k_b(x, X_b)). With little noise beta and K^-1 are large, so C
-  // of all models together is taken apart, C = G G', and with the factors L of K
-  //   cov_ab = (L_a^-1 G_a)'(L_a^-1 y_a) . (L_b^-1 G_b)'(L_b^-1 y_b),
-  //   var_a  = k - |L^-1 q|^2 + |(L^-1 G)'(L^-1 y)|^2 - |L^-1 G|^2.
+  //   m_a = beta_a' q_a,  cov_ab = beta_a' C_ab beta_b,
+  //   var_a = E k_a(x, x) - q_a' P_a q_a + tr((beta_a beta_a' - P_a) C_aa),
+  // with q_a = E k_a(x, Z_a) and C_ab = cov(k_a(Z_a, x), k_b(x, Z_b)), and beta, P, Z, L, w of posterior.h. With little
+  // noise beta and P are large, so C of all models together is taken apart, C = G G', and with the factors L
+  //   cov_ab = (L_a^-1 G_a)'w_a . (L_b^-1 G_b)'w_b,
+  //   var_a  = k - q'P q + |(L^-1 G)'w|^2 - tr(G'P G).
   UncertainPrediction predict(const UncertainPoint& point) const;
 
  private:
@@ -46,13 +49,14 @@ class Propagator {
   void add_rest(const std::vector<std::vector<KernelPairs>>& pairs, const Eigen::MatrixXd& G,
                 Eigen::MatrixXd& covariance) const;
 
-  const std::vector<GaussianProcess>& models_;
+  Propagator(std::vector<const GpPosterior*> models, Propagation method);
+
+  std::vector<const GpPosterior*> models_;
   Propagation method_;
   std::vector<std::vector<GaussianTerm>> terms_;  // of each covariance
-  std::vector<Eigen::VectorXd> whitened_;         // L' beta = L^-1 y
   std::vector<Eigen::Index> first_;               // where each model begins in G; last, its rows
   Eigen::Index rank_ = 0;                         // columns of G, at most
-  std::vector<Eigen::MatrixXd> spread_;           // beta beta' - K^-1, for what is left of C; empty: nothing ever is
+  std::vector<Eigen::MatrixXd> spread_;           // beta beta' - P, for what is left of C; empty: nothing ever is
 };
 
 }  // namespace plantloop::identify

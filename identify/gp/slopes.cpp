@@ -29,6 +29,11 @@ class SlopeCovariance final : public Covariance {
     for (Index i = 0; i < x.rows(); ++i) weight[i] = noise(x, i) < 0 ? 1 : 0;
     return weight;
   }
+  Vector noise_variances(const Matrix& x, double v0) const override {
+    Vector variances(x.rows());
+    for (Index i = 0; i < x.rows(); ++i) variances[i] = noise(x, i) < 0 ? v0 : noise(x, i);
+    return variances;
+  }
   Vector guess(const Matrix& x, double variance) const override {
     return base_->guess(x(values_of(x), Eigen::seqN(0, d_)), variance);
   }

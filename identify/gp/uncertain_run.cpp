@@ -77,7 +77,7 @@ void UncertainRun::advance(const Step& step, const double* state, double* next) 
   mean << step.mean, VectorXd::Map(state, older);
   covariance.topLeftCorner(m, m) = step.covariance;
   if (feed_noise_) {
-    for (Index o = 0; o < m; ++o) covariance(o, o) += map_->noise_variance(static_cast<int>(o));
+    for (Index o = 0; o < m; ++o) covariance(o, o) += map_->noise_variance(o);
   }
   covariance.bottomRightCorner(older, older) = past.topLeftCorner(older, older);
   covariance.topRightCorner(m, older) = cross.leftCols(older);
@@ -145,13 +145,12 @@ Outputs simulate_monte_carlo(const NarxModel& model, const DataSet& data, int tr
         x.row(t) = row.transpose();
       }
       std::vector<Prediction> at;
-      for (const GaussianProcess& process : map->processes())
-        at.push_back(process.predict(map->x_scaling().normalised(x)));
+      for (const auto& process : map->processes()) at.push_back(process->predict(map->x_scaling().normalised(x)));
       for (int t = 0; t < trajectories; ++t) {
         for (Index o = 0; o < m; ++o) {
           const Prediction& its = at[static_cast<std::size_t>(o)];
           f(t, o) = ys.offset[o] + ys.scale[o] * (its.mean[t] + std::sqrt(its.variance[t]) * random.normal());
-          const double noise = feed_noise ? std::sqrt(map->noise_variance(static_cast<int>(o))) * random.normal() : 0;
+          const double noise = feed_noise ? std::sqrt(map->noise_variance(o)) * random.normal() : 0;
           past[static_cast<std::size_t>(t)](k, o) = f(t, o) + noise;
         }
       }

@@ -64,6 +64,7 @@ Entries linear_model_methods();
 Entries state_space_methods();
 Entries regression_model_methods();
 Entries identify_learned_functions();
+Entries gaussian_process_functions();
 Entries learned_model_methods();
 Entries identify_state_space_functions();
 Entries neural_state_space_methods();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "identify/gp/gp_map.h"
 #include "identify/local_models/local_model_network.h"
@@ -13,19 +14,21 @@
 #include "scripts/host/identify_objects.h"
 
 namespace plantloop::lua {
-namespace {
 
-using Eigen::Index;
-using identify::DataSet;
-using identify::NarxModel;
 using identify::RegressorSet;
 
-RegressorSet regressors_of(const Options& o, const DataSet& data) {
+RegressorSet plain_regressors(const Options& o, const identify::DataSet& data) {
   if (!o.has("regressors")) throw ScriptError("'regressors' are missing, as in regressors = \"y(k-1), u(k-1..2)\"");
   return identify::parse_regressors(o.text("regressors"), data);
 }
 
 std::uint64_t seed_of(const Options& o) { return static_cast<std::uint64_t>(std::max(0, integer(o, "seed", 1))); }
+
+namespace {
+
+using Eigen::Index;
+using identify::DataSet;
+using identify::NarxModel;
 
 // What the name of a structure asks for, against what the regressors and orders give.
 void check_structure(const Options& o, const RegressorSet& set, identify::MlpOptions& m) {
@@ -73,7 +76,7 @@ int mlp(lua_State* L) {
   m.seed = seed_of(o);
   m.nc = integer(o, "nc", 0);
   m.nd = integer(o, "nd", 0);
-  const RegressorSet set = regressors_of(o, data);
+  const RegressorSet set = plain_regressors(o, data);
   check_structure(o, set, m);
   DataSet none;
   const DataSet* validation = &none;
@@ -98,7 +101,7 @@ int rbf_network(lua_State* L) {
   r.optimise = o.flag("optimise");
   r.iterations = integer(o, "iterations", r.iterations);
   r.seed = seed_of(o);
-  const RegressorSet set = regressors_of(o, data);
+  const RegressorSet set = plain_regressors(o, data);
   const identify::Regression rows = identify::make_regression(data, set);
   const identify::RbfFit fit = identify::fit_rbf(rows.X, rows.Y, r, control_of(L));
   push_learned_model(L, identify::make_narx(fit.model, set, data, fit.report));
@@ -117,47 +120,12 @@ int local_models(lua_State* L) {
   l.width = o.number("width").value_or(l.width);
   l.ridge = o.number("ridge").value_or(l.ridge);
   if (o.has("models") && o.has("cells")) throw ScriptError("a tree has 'models', a grid has 'cells'; give one of them");
-  const RegressorSet set = regressors_of(o, data);
+  const RegressorSet set = plain_regressors(o, data);
   const identify::Regression rows = identify::make_regression(data, set);
   const identify::LocalModelFit fit =
       o.has("cells") ? identify::fit_local_grid(rows.X, rows.Y, integer(o, "cells", 3), l, control_of(L))
                      : identify::fit_lolimot(rows.X, rows.Y, integer(o, "models", 10), l, control_of(L));
   push_learned_model(L, identify::make_narx(fit.model, set, data, fit.report));
-  return 1;
-}
-
-// One linear model or a list of them.
-std::vector<identify::PolynomialModel> local_models_of(lua_State* L, const Options& o) {
-  std::vector<identify::PolynomialModel> list;
-  if (!o.push("local_models")) return list;
-  const auto take = [&](int index) {
-    list.push_back(held_argument<identify::PolynomialModel>(L, index, linear_kind, "local_models"));
-  };
-  if (lua_istable(L, -1)) {
-    for (lua_Integer i = 1; i <= luaL_len(L, -1); ++i) {
-      lua_rawgeti(L, -1, i);
-      take(-1);
-      lua_pop(L, 1);
-    }
-  } else {
-    take(-1);
-  }
-  lua_pop(L, 1);
-  return list;
-}
-
-int gaussian_process(lua_State* L) {
-  const DataSet& data = data_argument(L, 1);
-  const Options o(L, 2, "the options of gaussian_process",
-                  {"regressors", "covariance", "mean", "starts", "iterations", "points", "seed", "local_models"});
-  identify::GpOptions g;
-  if (o.has("covariance")) g.covariance = o.text("covariance");
-  if (o.has("mean")) g.mean = o.text("mean");
-  g.starts = integer(o, "starts", g.starts);
-  g.max_iterations = integer(o, "iterations", g.max_iterations);
-  g.seed = seed_of(o);
-  push_learned_model(L, identify::fit_narx_gp(data, regressors_of(o, data), g, integer(o, "points", 1000),
-                                              control_of(L), local_models_of(L, o)));
   return 1;
 }
 
@@ -168,48 +136,39 @@ int simulate(lua_State* L) {
   return 1;
 }
 
-int predict(lua_State* L) {
-  const std::int64_t steps = is_given(L, 3) ? integer_argument(L, 3, "steps", 1, 1'000'000) : 1;
-  push_outputs(L, identify::k_step(self(L), data_argument(L, 2), static_cast<int>(steps)));
-  return 1;
-}
-
-int uncertain(lua_State* L) {
-  const Options o(L, 3, "the options of uncertain", {"propagation", "trajectories", "seed", "noise"});
-  const bool noise = !o.has("noise") || o.flag("noise");
-  const identify::Outputs found =
-      o.has("trajectories")
-          ? identify::simulate_monte_carlo(self(L), data_argument(L, 2), integer(o, "trajectories", 1000), seed_of(o),
-                                           noise)
-          : identify::simulate_uncertain(self(L), data_argument(L, 2),
-                                         identify::find_propagation(o.text("propagation", "moment_matching")), noise);
-  const Index outputs = self(L).map->outputs();
-  identify::Outputs means, variances, covariances;
-  for (const Eigen::MatrixXd& part : found) {
-    means.emplace_back(part.leftCols(outputs));
-    covariances.emplace_back(part.rightCols(outputs * outputs));
-    Eigen::MatrixXd own(part.rows(), outputs);
-    for (Index i = 0; i < outputs; ++i) own.col(i) = covariances.back().col(i * (outputs + 1));
-    variances.push_back(std::move(own));
+// At points of the user's own: rows of regressors.
+int predict_points(lua_State* L) {
+  const identify::Approximator& map = *self(L).map;
+  const Eigen::MatrixXd X = matrix_of(L, 2, "X");
+  if (X.cols() != map.inputs())
+    throw ScriptError(fmt::format("X has {} column{}, the model {} regressor{}; each row of X is a point", X.cols(),
+                                  X.cols() == 1 ? "" : "s", map.inputs(), map.inputs() == 1 ? "" : "s"));
+  const auto* gp = dynamic_cast<const identify::GpMap*>(&map);
+  Eigen::MatrixXd y(X.rows(), map.outputs()), variance = y, measured = y;
+  std::vector<double> scratch(static_cast<std::size_t>(map.scratch_size()));
+  Eigen::VectorXd x(map.inputs()), row(map.outputs());
+  const double each = gp == nullptr ? 1e3 : 1e3 + std::pow(static_cast<double>(gp->process(0).x().rows()), 2);
+  for (Index i = 0; i < X.rows(); ++i) {
+    session_of(L).sandbox.work(L, each / 4);
+    x = X.row(i).transpose();
+    map.evaluate(x.data(), row.data(), scratch.data());
+    y.row(i) = row.transpose();
+    if (gp == nullptr) continue;
+    gp->variance(x.data(), row.data(), nullptr);
+    variance.row(i) = row.transpose();
+    for (Index o = 0; o < row.size(); ++o) measured(i, o) = row[o] + gp->noise_variance(o);
   }
-  push_outputs(L, means);
-  push_outputs(L, variances);
-  push_outputs(L, covariances);
+  push_columns(L, y);
+  if (gp == nullptr) return 1;
+  push_columns(L, variance);
+  push_columns(L, measured);
   return 3;
 }
 
-int add(lua_State* L) {
-  const NarxModel& model = self(L);
-  const auto* map = dynamic_cast<const identify::GpMap*>(model.map.get());
-  if (map == nullptr)
-    throw ScriptError(
-        fmt::format("only a gaussian_process takes in single measurements, this is a {}", model.map->type()));
-  const identify::Regression rows = identify::make_regression(data_argument(L, 2), model.regressors);
-  NarxModel more = model;
-  more.map = identify::with_measurements(*map, rows.X, rows.Y);
-  more.fit.samples += rows.X.rows();
-  more.fit.options.push_back(fmt::format("{} samples added with the hyperparameters kept", rows.X.rows()));
-  push_learned_model(L, std::move(more));
+int predict(lua_State* L) {
+  if (test_array(L, 2) != nullptr || lua_istable(L, 2)) return predict_points(L);
+  const std::int64_t steps = is_given(L, 3) ? integer_argument(L, 3, "steps", 1, 1'000'000) : 1;
+  push_outputs(L, identify::k_step(self(L), data_argument(L, 2), static_cast<int>(steps)));
   return 1;
 }
 
@@ -340,7 +299,7 @@ void push_learned_model(lua_State* L, NarxModel model) {
   std::size_t bytes = 4000;
   if (const auto* gp = dynamic_cast<const identify::GpMap*>(model.map.get())) {
     for (const auto& process : gp->processes())
-      bytes += sizeof(double) * static_cast<std::size_t>(process.factor().size() + process.x().size());
+      bytes += sizeof(double) * static_cast<std::size_t>(process->factor().size() + process->x().size());
   }
   push_held(L, learned_kind, std::move(model), bytes);
 }
@@ -370,31 +329,18 @@ Entries identify_learned_functions() {
        "pl.LearnedModel",
        "affine local models: a tree that grows to `models` of them, or a grid of `cells` along each scheduling "
        "variable, which are numbers of regressors"},
-      {"gaussian_process", guarded<gaussian_process>,
-       "data: pl.DataSet, options: {regressors: string, covariance?: string, mean?: \"zero\"|\"constant\"|\"linear\", "
-       "starts?: integer, iterations?: integer, points?: integer, seed?: integer, local_models?: "
-       "pl.LinearModel|pl.LinearModel[]}",
-       "pl.LearnedModel",
-       "a Gaussian process by maximum likelihood, for each output; from more rows than `points` the most spread ones "
-       "are taken; local_models: linear models at operating points, whose values at rest and slopes are observed too"},
   };
 }
 
 Entries learned_model_methods() {
-  return {
+  Entries all = gaussian_process_methods();
+  const Entries own{
       {"simulate", guarded<simulate>, "data: pl.DataSet", "pl.Vector",
        "free run: the outputs are the model's own, the first ones measured"},
-      {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer", "pl.Vector",
-       "the output that many steps after the last measured one"},
-      {"uncertain", guarded<uncertain>,
-       "data: pl.DataSet, options?: {propagation?: \"naive\"|\"first_order\"|\"moment_matching\", trajectories?: "
-       "integer, seed?: integer, noise?: boolean}",
-       "pl.Vector, pl.Vector, pl.Vector",
-       "free run of a Gaussian process: mean and variance of the function, and, of several outputs, their covariances "
-       "with each other, row by row; trajectories: drawn at random instead; noise: that the outputs fed back have "
-       "noise"},
-      {"add", guarded<add>, "data: pl.DataSet", "pl.LearnedModel",
-       "a Gaussian process with more measurements; its hyperparameters stay"},
+      {"predict", guarded<predict>, "data: pl.DataSet|pl.Vector, steps?: integer", "pl.Vector, pl.Vector?, pl.Vector?",
+       "the output that many steps after the last measured one; at points X, a row of regressors each: the output, and "
+       "of "
+       "a Gaussian process the variances of the function and of a measurement"},
       {"prune", guarded<prune>,
        "data: pl.DataSet, options?: {test?: pl.DataSet, decay?: number, iterations?: integer, least?: integer}",
        "pl.LearnedModel", "an mlp without the weights that are missed least (optimal brain surgeon)"},
@@ -404,6 +350,8 @@ Entries learned_model_methods() {
        "pl.LearnedModel", "the same mlp trained on through time, for the error of its free run"},
       {"save", guarded<save>, "path: string", "string", "writes a model file, .yaml; gives the path"},
   };
+  all.insert(all.begin(), own.begin(), own.end());
+  return all;
 }
 
 std::vector<FieldInfo> learned_model_fields() { return infos_of(fields()); }

@@ -117,7 +117,7 @@ const std::vector<Estimator>& estimators() {
       of_rows("lolimot", [](const MatrixXd& X, const MatrixXd& Y) { return fit_lolimot(X, Y, 4); }),
       {"gaussian_process", [gp](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), gp)); }},
       {"gaussian_process_of_a_subset",
-       [gp](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), gp, 40)); }},
+       [gp](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), {.process = gp, .most = 40})); }},
   };
   return all;
 }

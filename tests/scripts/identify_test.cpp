@@ -192,6 +192,72 @@ TEST_F(Identification, AddsMeasurementsToAGaussianProcess) {
               HasSubstr("only a gaussian_process takes in single measurements, this is a local_model_network"));
 }
 
+// Numbers of 50 digits, as in the tests of identify/gp; `rows` and `m` are the process that they are of.
+const std::string seven_points = R"lua(local gp = pl.identify.gaussian_process
+      local X = {{0.10, -0.70}, {-0.45, 0.30}, {0.80, 0.55}, {-1.20, -0.15}, {0.33, 1.10}, {-0.66, -0.98}, {1.50, -0.24}}
+      local y = {0.42, -0.17, 0.93, -0.58, 0.77, -1.05, 1.20}
+      local how = {covariance = "se_ard", hyperparameters = {w1 = 0.8, w2 = 1.7, v1 = 1.3, v0 = 0.05}}
+      local m = gp(X, y, how)
+      )lua";
+
+TEST_F(Identification, EvaluatesAGaussianProcessAtGivenHyperparameters) {
+  EXPECT_EQ(printed(seven_points + R"lua(
+      local g, loo = m:gradient(), m:leave_one_out()
+      print(("%.11f"):format(m:log_likelihood()))
+      print(("%.11f %.11f %.11f %.11f"):format(g.w1, g.w2, g.v1, g.v0))
+      local mean, variance, measured = m:predict{{0.25, -0.40}, {-0.90, 1.30}}
+      print(("%.11f %.11f %.11f"):format(mean[1], variance[1], measured[1]))
+      print(("%.11f %.11f %.11f"):format(mean[2], variance[2], measured[2]))
+      print(("%.11f %.11f %.11f"):format(loo.mean[1], loo.variance[1], loo.log_probability))
+      print(pl.sum(loo.log_density) - loo.log_probability == 0, m:hyperparameters().w2, m.report.stopped))lua"),
+            "-7.91478371219\n"
+            "-0.06020885543 -0.84329896634 -1.37790542363 -0.08043977156\n"
+            "0.67955179749 0.10908723932 0.15908723932\n"
+            "0.12477372717 0.78378871189 0.83378871189\n"
+            "-0.44245457596 0.48336353186 -6.80989483706\n"
+            "true\t1.7\tnothing was trained");
+}
+
+TEST_F(Identification, EvaluatesGaussianProcessesOfDataSetsAndSeveralOutputs) {
+  EXPECT_EQ(printed(seven_points + R"lua(
+      local data = pl.identify.data{u = X, y = y, Ts = 1}
+      how.regressors = "u1(k), u2(k)"
+      print(gp(data, how):log_likelihood() == m:log_likelihood())
+      local both = {}
+      for i = 1, #y do both[i] = {y[i], 2 * y[i]} end
+      how.regressors = nil
+      local first, second = how.hyperparameters, {w1 = 0.8, w2 = 1.7, v1 = 5.2, v0 = 0.2}
+      how.hyperparameters = {first, second}
+      local two = gp(X, both, how)
+      print(("%.12f %.12f"):format(two:log_likelihood(1) - m:log_likelihood(),
+                                 two:log_likelihood(2) + #y * math.log(2) - m:log_likelihood()))
+      local mean = two:predict{{0.25, -0.40}}
+      print(("%.12f"):format(mean(1, 2) - 2 * mean(1, 1)))
+      m:save "seven.yaml"
+      print(pl.identify.load("seven.yaml"):log_likelihood() == m:log_likelihood()))lua"),
+            "true\n0.000000000000 0.000000000000\n0.000000000000\ntrue");
+}
+
+TEST_F(Identification, SaysWhatIsWrongWithGivenHyperparameters) {
+  const auto said = [&](const std::string& script) { return complaint(seven_points + script); };
+  EXPECT_THAT(said("gp(X, y, {hyperparameters = {w1 = 1, v1 = 1, v0 = 1}})"),
+              HasSubstr("'hyperparameters' lack 'w2': 'se_ard' of 2 regressors has w1, w2, v1, v0"));
+  EXPECT_THAT(said("gp(X, y, {hyperparameters = {w1 = 1, w2 = 1, w3 = 1, v1 = 1, v0 = 1}})"),
+              HasSubstr("there is no hyperparameter 'w3': 'se_ard' of 2 regressors has w1, w2, v1, v0"));
+  EXPECT_THAT(said("gp(X, y, {hyperparameters = 3})"),
+              HasSubstr("'hyperparameters' must be a table of names and numbers, here is 3"));
+  EXPECT_THAT(said("gp(X, {1, 2})"), HasSubstr("X has 7 rows and y 2; they must agree"));
+  EXPECT_THAT(said("gp(3, y)"), HasSubstr("'data' must be a data set, or X a matrix with y behind it; it is 3"));
+  EXPECT_THAT(said("gp(X, y, {regressors = 'u(k)'})"),
+              HasSubstr("'regressors' are of a data set; here the columns of X are the regressors"));
+  EXPECT_THAT(said("m:predict{1, 2}"), HasSubstr("X has 1 column, the model 2 regressors; each row of X is a point"));
+  EXPECT_THAT(said("m:gradient(2)"), HasSubstr("'output' must be a whole number from 1 to 1, it is 2"));
+  EXPECT_THAT(said("gp(X, y, {iterations = -1})"), HasSubstr("'iterations' must be 0 or more"));
+  EXPECT_THAT(said("local d = pl.identify.data{u = y, y = y, Ts = 1}\n"
+                   "pl.identify.local_models(d, {regressors = 'u(k)', models = 2}):gradient()"),
+              HasSubstr("only a gaussian_process has a likelihood, this is a local_model_network"));
+}
+
 // One start: of several, the thread that tells may get none when the machine is busy.
 TEST_F(Identification, TellsTheProgressOfAFitUntilSomethingIsPrinted) {
   std::vector<double> told;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "identify/error.h"
+#include "identify/gp/gaussian_process.h"
 #include "tests/identify/gp/fixture.h"
 
 namespace plantloop::identify {

@@ -142,8 +142,8 @@ TEST(GpSimulation, OfAnOutputTwiceIsThatOfTheOutput) {
   Scaling both;
   both.offset = VectorXd::Constant(2, map->y_scaling().offset[0]);
   both.scale = VectorXd::Constant(2, map->y_scaling().scale[0]);
-  const auto twice = std::make_shared<const GpMap>(
-      std::vector<GaussianProcess>{map->processes()[0], map->processes()[0]}, map->x_scaling(), both);
+  const auto twice =
+      std::make_shared<const GpMap>(GpMap::Processes{map->processes()[0], map->processes()[0]}, map->x_scaling(), both);
   DataSet fresh = e.fresh;
   fresh.outputs = {{"y1", ""}, {"y2", ""}};
   MatrixXd& y = fresh.experiments[0].y;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "identify/error.h"
+#include "identify/gp/fit_gp.h"
 #include "identify/gp/gp_map.h"
 #include "identify/gp/slopes.h"
 #include "identify/linear/fit_linear.h"
@@ -184,6 +185,23 @@ TEST(Slopes, TheLikelihoodHasItsGradient) {
   }
 }
 
+// A held-back measurement has the noise v0, a held-back observation its own, also when it is added to a model.
+TEST(Slopes, HeldBackOnesAreAsNoisyAsTheySay) {
+  const Mixed m;
+  const auto covariance = with_slopes(find_covariance("se_ard"), 2);
+  const GaussianProcess all(covariance, MeanFunction::zero, {m.theta, m.v0}, m.rows, m.y);
+  const LeaveOneOut folds = cross_validate(all, 9), closed = all.leave_one_out();
+  EXPECT_LT((folds.mean - closed.mean).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((folds.variance - closed.variance).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_NEAR(folds.log_probability, closed.log_probability, 1e-7);
+  // The second row is a slope with the variance 0.01 of its noise, v0 is 0.02.
+  std::vector<Index> rest{0, 2, 3, 4, 5, 6, 7, 8};
+  GaussianProcess others(covariance, MeanFunction::zero, {m.theta, m.v0}, m.rows(rest, Eigen::all), m.y(rest));
+  EXPECT_NEAR(folds.variance[1], others.predict(m.rows.row(1)).variance[0] + 0.01, 1e-12);
+  others.add(m.rows.row(1).transpose(), m.y[1]);
+  EXPECT_NEAR(others.log_likelihood(), all.log_likelihood(), 1e-9);
+}
+
 // What is observed without noise is kept: the value and the slope.
 TEST(Slopes, ThatAreExactAreThoseOfTheMean) {
   MatrixXd rows(3, 4);
@@ -251,8 +269,8 @@ TEST(LocalModels, HelpWhereThereAreFewValues) {
   const RegressorSet set = parse_regressors("y(k-1), u(k-1)", few);
   GpOptions options;
   options.starts = 4;
-  const NarxModel alone = fit_narx_gp(few, set, options);
-  const NarxModel helped = fit_narx_gp(few, set, options, 1000, {}, {local(-0.6), local(0), local(0.6)});
+  const NarxModel alone = fit_narx_gp(few, set, {.process = options});
+  const NarxModel helped = fit_narx_gp(few, set, {.process = options}, {}, {local(-0.6), local(0), local(0.6)});
   const auto error = [&](const NarxModel& model) {
     return (free_run(model, fresh)[0] - fresh.experiments[0].y).norm();
   };
@@ -275,7 +293,7 @@ TEST(LocalModels, HelpWhereThereAreFewValues) {
   }
   options.mean = "linear";
   try {
-    fit_narx_gp(few, set, options, 1000, {}, {local(0)});
+    fit_narx_gp(few, set, {.process = options}, {}, {local(0)});
     FAIL();
   } catch (const IdentifyError& e) {
     EXPECT_STREQ(e.what(),
