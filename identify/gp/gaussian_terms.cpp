@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -14,7 +15,6 @@
 namespace plantloop::identify {
 namespace {
 
-using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -22,16 +22,18 @@ using Eigen::VectorXd;
 // E prod_i l_i of jointly normal l with these means and covariances; those in `left`, one bit each.
 template <typename Number>
 struct Product {
-  std::vector<Number> mean;
-  std::vector<std::vector<Number>> covariance;  // [f][g] for f < g
-  Number one;
+  std::size_t count;
+  // Not set to zero: this is made for each pair of points.
+  std::array<Number, 2 * most_factors> mean;
+  std::array<std::array<Number, 2 * most_factors>, 2 * most_factors> covariance;  // [f][g] for f < g
+  explicit Product(std::size_t factors) : count(factors) {}                       // NOLINT
   Number expectation(unsigned left) const {
-    if (left == 0) return one;
+    if (left == 0) return Number{1};
     std::size_t first = 0;
     while ((left >> first & 1U) == 0) ++first;
     const unsigned rest = left & ~(1U << first);
     Number sum = mean[first] * expectation(rest);
-    for (std::size_t other = first + 1; other < mean.size(); ++other) {
+    for (std::size_t other = first + 1; other < count; ++other) {
       if ((rest >> other & 1U) != 0) sum = sum + covariance[first][other] * expectation(rest & ~(1U << other));
     }
     return sum;
@@ -40,35 +42,30 @@ struct Product {
 
 // A number and what another one exceeds it by: sums and products without loss where that is small.
 struct Changed {
-  ArrayXd was, change;
-  friend Changed operator+(const Changed& a, const Changed& b) { return {a.was + b.was, a.change + b.change}; }
-  friend Changed operator*(const Changed& a, const Changed& b) {
+  double was, change;
+  friend Changed operator+(Changed a, Changed b) { return {a.was + b.was, a.change + b.change}; }
+  friend Changed operator*(Changed a, Changed b) {
     return {a.was * b.was, a.was * b.change + a.change * b.was + a.change * b.change};
   }
 };
 
-// Of each row of a with the row of b beside it, or with the only one.
-ArrayXd products(const MatrixXd& a, const MatrixXd& b) {
-  if (b.rows() == 1) return (a * b.transpose()).array();
-  return (a.array() * b.array()).rowwise().sum();
-}
-// One number for each of n rows, where it is one for all of them.
-ArrayXd along(const ArrayXd& x, Index n) { return x.size() == n ? x : ArrayXd::Constant(n, x[0]); }
-
 MatrixXd cholesky(const MatrixXd& a) { return a.llt().matrixL(); }
-// a L'^-1 for the factor L.
-MatrixXd over(const MatrixXd& a, const MatrixXd& l) {
-  return l.triangularView<Eigen::Lower>().solve(a.transpose()).transpose();
-}
+// L^-1 a, and a L'^-1, for the factor L.
+MatrixXd under(const MatrixXd& l, const MatrixXd& a) { return l.triangularView<Eigen::Lower>().solve(a); }
+MatrixXd over(const MatrixXd& a, const MatrixXd& l) { return under(l, a.transpose()).transpose(); }
 MatrixXd one_plus(MatrixXd a) {
   a.diagonal().array() += 1;
   return a;
 }
-// a L^-1.
-MatrixXd over_transposed(const MatrixXd& a, const MatrixXd& l) {
-  return l.transpose().triangularView<Eigen::Upper>().solve(a.transpose()).transpose();
-}
 double log_determinant(const MatrixXd& factor) { return 2 * factor.diagonal().array().log().sum(); }
+
+// Of two columns; they are short.
+double dot(const MatrixXd& a, Index i, const MatrixXd& b, Index j) {
+  const double *x = a.data() + i * a.rows(), *y = b.data() + j * a.rows();
+  double sum = 0;
+  for (Index d = 0; d < a.rows(); ++d) sum += x[d] * y[d];
+  return sum;
+}
 
 // S = G G'. Of a covariance that is singular up to rounding the rounding is left out.
 MatrixXd root_of(const MatrixXd& s) {
@@ -96,49 +93,54 @@ TermMoments moments_of(const GaussianTerm& term, const UncertainPoint& x, Kernel
   const MatrixXd &s = x.covariance, &z = sum.z;
   const VectorXd r = term.w.cwiseSqrt();
   TermMoments m;
-  m.n = (z.rowwise() - x.mean.transpose()) * r.asDiagonal();
+  m.n = r.asDiagonal() * (z.colwise() - x.mean);
   const MatrixXd factor = cholesky(one_plus(r.asDiagonal() * s * r.asDiagonal()));
-  const MatrixXd half = over(m.n, factor);
-  m.log_base = std::log(term.c) - 0.5 * log_determinant(factor) - 0.5 * half.rowwise().squaredNorm().array();
-  m.base = m.log_base.exp();
+  const MatrixXd half = under(factor, m.n);
+  const double constant = std::log(term.c) - 0.5 * log_determinant(factor);
+  m.base = (constant - 0.5 * half.colwise().squaredNorm().transpose().array()).exp();
   m.less = over(s * r.asDiagonal(), factor);
-  m.shift = half * m.less.transpose();
+  m.shift = m.less * half;
   m.root = over(sum.root, cholesky(one_plus(sum.root.transpose() * term.w.asDiagonal() * sum.root)));
+  // (I + W S)^-1 (W nu E prod + sum_f slope_f E prod of the others)
+  MatrixXd g = r.asDiagonal() * factor.transpose().triangularView<Eigen::Upper>().solve(half);
 
   const std::size_t count = term.factors.size();
-  Product<ArrayXd> product{{}, std::vector(count, std::vector<ArrayXd>(count)), ArrayXd::Ones(z.rows())};
+  std::vector<MatrixXd> spread;
   for (const GaussianTerm::Affine& f : term.factors) {
-    m.slope.emplace_back(z * f.a.asDiagonal());
-    product.mean.emplace_back((m.slope.back() * x.mean).array() + f.b + products(m.slope.back(), m.shift));
+    m.slope.emplace_back(f.a.asDiagonal() * z);
+    const MatrixXd& slope = m.slope.back();
+    m.mean.emplace_back(
+        (slope.transpose() * x.mean + (slope.cwiseProduct(m.shift)).colwise().sum().transpose()).array() + f.b);
+    spread.emplace_back(m.root.transpose() * slope);
   }
-  for (std::size_t f = 0; f < count; ++f) {
-    for (std::size_t g = f + 1; g < count; ++g)
-      product.covariance[f][g] = products(m.slope[f] * m.root, m.slope[g] * m.root);
+  if (count == 0) {
+    sum.q += m.base;
+    sum.g += m.base.asDiagonal() * g.transpose();
+    return m;
   }
-  const unsigned all = (1U << count) - 1;
-  m.mean = product.mean;
-  m.product = product.expectation(all);
-  sum.q.array() += m.base * m.product;
-
-  // (I + W S)^-1 (W nu E prod + sum_f slope_f E prod of the others)
-  MatrixXd g = m.product.matrix().asDiagonal() * MatrixXd(over_transposed(half, factor) * r.asDiagonal());
-  if (count > 0) {
-    MatrixXd slopes = MatrixXd::Zero(z.rows(), z.cols());
-    for (std::size_t f = 0; f < count; ++f)
-      slopes += product.expectation(all & ~(1U << f)).matrix().asDiagonal() * m.slope[f];
-    g += one_plus(term.w.asDiagonal() * s).partialPivLu().solve(slopes.transpose()).transpose();
+  MatrixXd slopes = MatrixXd::Zero(z.rows(), z.cols());
+  for (Index i = 0; i < z.cols(); ++i) {
+    Product<double> product{count};
+    for (std::size_t f = 0; f < count; ++f) product.mean[f] = m.mean[f][i];
+    if (count == 2) product.covariance[0][1] = spread[0].col(i).dot(spread[1].col(i));
+    const unsigned all = (1U << count) - 1;
+    const double whole = product.expectation(all);
+    sum.q[i] += m.base[i] * whole;
+    g.col(i) *= whole;
+    for (std::size_t f = 0; f < count; ++f) slopes.col(i) += product.expectation(all & ~(1U << f)) * m.slope[f].col(i);
   }
-  sum.g += m.base.matrix().asDiagonal() * g;
+  g += one_plus(term.w.asDiagonal() * s).partialPivLu().solve(slopes);
+  sum.g += m.base.asDiagonal() * g.transpose();
   return m;
 }
 
 }  // namespace
 
-KernelMoments::KernelMoments(const std::vector<GaussianTerm>& terms_, const MatrixXd& z_, const UncertainPoint& x)
-    : q(VectorXd::Zero(z_.rows())),
-      g(MatrixXd::Zero(z_.rows(), z_.cols())),
+KernelMoments::KernelMoments(const std::vector<GaussianTerm>& terms_, const MatrixXd& points, const UncertainPoint& x)
+    : q(VectorXd::Zero(points.rows())),
+      g(MatrixXd::Zero(points.rows(), points.cols())),
       terms(terms_),
-      z(z_),
+      z(points.transpose()),
       root(root_of(x.covariance)) {
   for (const GaussianTerm& term : terms) {
     parts.push_back(moments_of(term, x, *this));
@@ -167,20 +169,21 @@ class TermPair {
     const VectorXd inverse = (r.array() > 0).select(r.array().inverse(), 0.0);
     const auto side = [&](const GaussianTerm& term, const TermMoments& m, const VectorXd& other, const MatrixXd& z) {
       Side result;
-      const VectorXd rt = term.w.cwiseSqrt();
-      result.u = m.n * rt.asDiagonal() * both;
-      result.v = m.shift * other.asDiagonal() * both;
-      result.own = -products(result.u, result.v);
-      result.centre = over(m.n * rt.cwiseProduct(inverse).asDiagonal(), factor);
-      result.z = z * apart.asDiagonal();
+      const VectorXd own_r = term.w.cwiseSqrt();
+      const MatrixXd to_other = both.transpose() * other.asDiagonal();
+      result.u = both.transpose() * own_r.asDiagonal() * m.n;
+      result.v = to_other * m.shift;
+      result.own = -result.u.cwiseProduct(result.v).colwise().sum().transpose();
+      result.centre = under(factor, own_r.cwiseProduct(inverse).asDiagonal() * m.n);
+      result.z = apart.asDiagonal() * z;
       result.base = m.base;
-      result.product = m.product;
       result.mean = m.mean;
-      for (const MatrixXd& slope : m.slope) result.slope.emplace_back(slope * both);
+      for (const MatrixXd& slope : m.slope) result.slope.emplace_back(both.transpose() * slope);
       if (m.slope.size() == 2) {
-        const MatrixXd f = m.slope[0] * m.root, g = m.slope[1] * m.root;
-        result.within = {products(f, g),
-                         -products(result.slope[0] * (both.transpose() * other.asDiagonal() * m.root), g)};
+        const MatrixXd f = m.root.transpose() * m.slope[0], g = m.root.transpose() * m.slope[1];
+        const MatrixXd less = (to_other * m.root).transpose() * result.slope[0];
+        result.within = f.cwiseProduct(g).colwise().sum().transpose();
+        result.within_change = -less.cwiseProduct(g).colwise().sum().transpose();
       }
       return result;
     };
@@ -188,87 +191,72 @@ class TermPair {
     second_ = side(b, two, a.w, z_b);
   }
 
-  ArrayXd column(Index j) const { return covariances(first_, second_.row(j)); }
-  ArrayXd diagonal() const { return covariances(first_, second_); }
+  double covariance(Index i, Index j) const {
+    const Side &a = first_, &b = second_;
+    const double cross = dot(a.u, i, b.u, j), own = 0.5 * (a.own[i] + b.own[j]);
+    const double apart = a.base[i] * b.base[j];
+    const Changed product = factors(i, j);
+    const double whole = product.was + product.change;
+    if (constant_ - own + std::fabs(cross) < 1)
+      return apart * (std::expm1(constant_ + own + cross) * whole + product.change);
+    double exponent = 0;
+    for (Index d = 0; d < a.z.rows(); ++d) {
+      const double between = a.z(d, i) - b.z(d, j), centre = a.centre(d, i) + b.centre(d, j);
+      exponent += between * between + centre * centre;
+    }
+    return std::exp(log_factor_ - 0.5 * exponent) * whole - apart * product.was;
+  }
 
  private:
-  // What belongs to the points of one term; rows, all of them or one.
+  // What belongs to the points of one term, one column for each.
   struct Side {
-    MatrixXd u, v;                // M = both both': h both, t W both with the other's W
-    MatrixXd centre, z;           // of the exponents of E k_i k_j
-    ArrayXd own, base, product;   // -h'M W t; of the term alone
-    std::vector<ArrayXd> mean;    // of each factor, by the term alone
-    std::vector<MatrixXd> slope;  // of each factor, times both
-    Changed within;               // covariance of the term's two factors
-    Side row(Index j) const {
-      Side one{
-          u.row(j), v.row(j), centre.row(j), z.row(j), own.segment(j, 1), base.segment(j, 1), product.segment(j, 1), {},
-          {},       {}};
-      for (const ArrayXd& each : mean) one.mean.emplace_back(each.segment(j, 1));
-      for (const MatrixXd& each : slope) one.slope.emplace_back(each.row(j));
-      if (within.was.size() > 0) one.within = {within.was.segment(j, 1), within.change.segment(j, 1)};
-      return one;
-    }
+    MatrixXd u, v;                   // M = both both': both'h, and both'W t with the other's W
+    MatrixXd centre, z;              // of the exponents of E k_i k_j
+    VectorXd own, base;              // -h'M W t; of the term alone
+    std::vector<VectorXd> mean;      // of each factor, by the term alone
+    std::vector<MatrixXd> slope;     // of each factor, both'slope
+    VectorXd within, within_change;  // covariance of the term's two factors
   };
 
   // 1/2 log(|I + S W_a| |I + S W_b|/|I + S W_a + S W_b|) = 1/2 log(|I + R_b S R_b|/|I + R_b M_a R_b|).
   static double excess(const TermMoments& one, const VectorXd& b) {
     const VectorXd r = b.cwiseSqrt();
     const MatrixXd left = r.asDiagonal() * one.root;
-    const MatrixXd factor = cholesky(one_plus(left * left.transpose()));
-    const MatrixXd more = factor.triangularView<Eigen::Lower>().solve(MatrixXd(r.asDiagonal() * one.less));
+    const MatrixXd more = under(cholesky(one_plus(left * left.transpose())), r.asDiagonal() * one.less);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(more * more.transpose(), Eigen::EigenvaluesOnly);
     return 0.5 * axes.eigenvalues().array().max(0.0).log1p().sum();
   }
 
   // The product of all factors: by the terms apart, and what it exceeds that by.
-  Changed factors(const Side& a, const Side& b) const {
-    const Index n = a.u.rows();
+  Changed factors(Index i, Index j) const {
+    const Side &a = first_, &b = second_;
     const std::size_t first = a.mean.size(), count = first + b.mean.size();
-    Product<Changed> product{{}, std::vector(count, std::vector<Changed>(count)), {ArrayXd::Ones(n), ArrayXd::Zero(n)}};
-    for (std::size_t f = 0; f < first; ++f)
-      product.mean.push_back({a.mean[f], products(a.slope[f], b.u) - products(a.slope[f], a.v)});
-    for (std::size_t f = 0; f < b.mean.size(); ++f) {
-      const ArrayXd its = products(b.slope[f], b.v);
-      product.mean.push_back({along(b.mean[f], n), products(a.u, b.slope[f]) - along(its, n)});
+    const auto mean_a = [&](std::size_t f) {
+      return Changed{a.mean[f][i], dot(a.slope[f], i, b.u, j) - dot(a.slope[f], i, a.v, i)};
+    };
+    const auto mean_b = [&](std::size_t f) {
+      return Changed{b.mean[f][j], dot(b.slope[f], j, a.u, i) - dot(b.slope[f], j, b.v, j)};
+    };
+    // Most are these.
+    if (count == 0) return {1, 0};
+    if (count == 1) return first == 1 ? mean_a(0) : mean_b(0);
+    if (first == 1 && count == 2) return mean_a(0) * mean_b(0) + Changed{0, dot(a.slope[0], i, b.slope[0], j)};
+    Product<Changed> product(count);
+    for (std::size_t f = 0; f < first; ++f) product.mean[f] = mean_a(f);
+    for (std::size_t f = first; f < count; ++f) {
+      product.mean[f] = mean_b(f - first);
+      for (std::size_t g = 0; g < first; ++g) product.covariance[g][f] = {0, dot(a.slope[g], i, b.slope[f - first], j)};
     }
-    if (first == 2) product.covariance[0][1] = a.within;
-    if (b.mean.size() == 2) product.covariance[first][first + 1] = {along(b.within.was, n), along(b.within.change, n)};
-    for (std::size_t f = 0; f < first; ++f) {
-      for (std::size_t g = first; g < count; ++g)
-        product.covariance[f][g] = {ArrayXd::Zero(n), products(a.slope[f], b.slope[g - first])};
-    }
+    if (first == 2) product.covariance[0][1] = {a.within[i], a.within_change[i]};
+    if (count - first == 2) product.covariance[first][first + 1] = {b.within[j], b.within_change[j]};
     return product.expectation((1U << count) - 1);
-  }
-
-  // b has as many rows as a, or one.
-  ArrayXd covariances(const Side& a, const Side& b) const {
-    const Index n = a.u.rows();
-    const ArrayXd cross = products(a.u, b.u), own = a.own + along(b.own, n);
-    const ArrayXd log_ratio = constant_ + 0.5 * own + cross, size = constant_ - 0.5 * own + cross.abs();
-    const ArrayXd apart = a.base * along(b.base, n);
-    const bool plain = a.mean.empty() && b.mean.empty();
-    const Changed product = plain ? Changed{ArrayXd::Ones(n), ArrayXd::Zero(n)} : factors(a, b);
-    const Index step = b.u.rows() == 1 ? 0 : 1;
-    ArrayXd result(n);
-    for (Index i = 0; i < n; ++i) {
-      if (size[i] < 1) {
-        result[i] = apart[i] * (std::expm1(log_ratio[i]) * (product.was[i] + product.change[i]) + product.change[i]);
-      } else {
-        const double exponent =
-            (a.z.row(i) - b.z.row(step * i)).squaredNorm() + (a.centre.row(i) + b.centre.row(step * i)).squaredNorm();
-        result[i] =
-            std::exp(log_factor_ - 0.5 * exponent) * (product.was[i] + product.change[i]) - apart[i] * product.was[i];
-      }
-    }
-    return result;
   }
 
   double constant_ = 0, log_factor_ = 0;
   Side first_, second_;
 };
 
-KernelPairs::KernelPairs(const KernelMoments& a, const KernelMoments& b) {
+KernelPairs::KernelPairs(const KernelMoments& a, const KernelMoments& b) : points_(a.z.cols()) {
   for (std::size_t i = 0; i < a.terms.size(); ++i) {
     for (std::size_t j = 0; j < b.terms.size(); ++j)
       pairs_.emplace_back(a.terms[i], a.parts[i], a.z, b.terms[j], b.parts[j], b.z, a.root);
@@ -277,15 +265,19 @@ KernelPairs::KernelPairs(const KernelMoments& a, const KernelMoments& b) {
 KernelPairs::~KernelPairs() = default;
 KernelPairs::KernelPairs(KernelPairs&&) noexcept = default;
 
-VectorXd KernelPairs::column(Index j) const {
-  ArrayXd sum = pairs_.front().column(j);
-  for (std::size_t p = 1; p < pairs_.size(); ++p) sum += pairs_[p].column(j);
+VectorXd KernelPairs::column(Index j, Index from) const {
+  VectorXd sum = VectorXd::Zero(points_ - from);
+  for (const TermPair& pair : pairs_) {
+    for (Index i = from; i < points_; ++i) sum[i - from] += pair.covariance(i, j);
+  }
   return sum;
 }
 
 VectorXd KernelPairs::diagonal() const {
-  ArrayXd sum = pairs_.front().diagonal();
-  for (std::size_t p = 1; p < pairs_.size(); ++p) sum += pairs_[p].diagonal();
+  VectorXd sum = VectorXd::Zero(points_);
+  for (const TermPair& pair : pairs_) {
+    for (Index i = 0; i < points_; ++i) sum[i] += pair.covariance(i, i);
+  }
   return sum;
 }
 

@@ -33,20 +33,19 @@ struct UncertainPoint {
 // so what is left is the mean of a product of affine functions of normal variables (L. Isserlis 1918). There is no
 // inverse of S, and no difference of large numbers where lengths are small beside S.
 struct TermMoments {
-  Eigen::MatrixXd n;                   // N x D
-  Eigen::MatrixXd shift;               // N x D: the mean of the normal density, from mu
-  Eigen::ArrayXd base;                 // N: the number before it
-  Eigen::ArrayXd log_base;             // N
-  Eigen::ArrayXd product;              // N: the mean of the product of the factors
-  std::vector<Eigen::ArrayXd> mean;    // of each factor: N
-  std::vector<Eigen::MatrixXd> slope;  // of each factor: N x D
+  Eigen::MatrixXd n;                   // D x N
+  Eigen::MatrixXd shift;               // D x N: the mean of the normal density, from mu
+  Eigen::VectorXd base;                // N: the number before it
+  std::vector<Eigen::VectorXd> mean;   // of each factor: N
+  std::vector<Eigen::MatrixXd> slope;  // of each factor: D x N
   Eigen::MatrixXd root;                // D x rank of S: M = root root'
   Eigen::MatrixXd less;                // D x D: S - M = less less'
 };
 
 // Expectations over x of a sum of terms with the points z.
 struct KernelMoments {
-  KernelMoments(const std::vector<GaussianTerm>& terms, const Eigen::MatrixXd& z, const UncertainPoint& x);
+  // points: N x D.
+  KernelMoments(const std::vector<GaussianTerm>& terms, const Eigen::MatrixXd& points, const UncertainPoint& x);
 
   Eigen::VectorXd q;  // E k(x, z_i)
   Eigen::MatrixXd g;  // E dk(x, z_i)/dx, one row for each i: N x D; cov(x, k(x, z_i)) is S g_i
@@ -54,7 +53,8 @@ struct KernelMoments {
 
   std::vector<GaussianTerm> terms;
   std::vector<TermMoments> parts;
-  Eigen::MatrixXd z, root;  // S = root root'
+  Eigen::MatrixXd z;     // D x N
+  Eigen::MatrixXd root;  // S = root root'
 };
 
 // A pair of terms, one of each covariance.
@@ -68,11 +68,13 @@ class KernelPairs {
   KernelPairs(const KernelMoments& a, const KernelMoments& b);
   ~KernelPairs();
   KernelPairs(KernelPairs&&) noexcept;
-  Eigen::VectorXd column(Eigen::Index j) const;  // for all points of a and the j-th of b
-  Eigen::VectorXd diagonal() const;              // for the i-th of both, which have as many
+  // For the points of a from number `from` on, and the j-th of b.
+  Eigen::VectorXd column(Eigen::Index j, Eigen::Index from = 0) const;
+  Eigen::VectorXd diagonal() const;  // for the i-th of both, which have as many
 
  private:
   std::vector<TermPair> pairs_;
+  Eigen::Index points_;  // of a
 };
 
 }  // namespace plantloop::identify

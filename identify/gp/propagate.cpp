@@ -74,7 +74,7 @@ Propagator::Propagator(std::vector<const GpPosterior*> models, Propagation metho
   // Columns cost as much as the matrix itself where there are some hundred points: then some must do. Inducing inputs
   // are few, and their beta is too large for what is left.
   const auto size = static_cast<double>(points);
-  rank_ = any_sparse ? points : std::min<Index>(points, std::max<Index>(48, static_cast<Index>(4e6 / size / size)));
+  rank_ = any_sparse ? points : std::min<Index>(points, std::max<Index>(32, static_cast<Index>(4e6 / size / size)));
   if (rank_ == points) return;
   for (const GpPosterior* model : models_)
     spread_.emplace_back(model->alpha() * model->alpha().transpose() - model->precision());
@@ -165,8 +165,11 @@ void Propagator::add_rest(const std::vector<std::vector<KernelPairs>>& pairs, co
       const auto G_b = G.middleRows(first_[b], models_[b]->x().rows());
       double sum = 0;
       for (Index j = 0; j < models_[b]->x().rows(); ++j) {
-        const VectorXd rest = pairs[a][b].column(j) - G_a * G_b.row(j).transpose();
-        sum += a == b ? spread_[a].col(j).dot(rest) : models_[a]->alpha().dot(rest) * models_[b]->alpha()[j];
+        // Of a symmetric block the lower triangle, twice but for the diagonal.
+        const Index from = a == b ? j : 0, rows = G_a.rows() - from;
+        const VectorXd rest = pairs[a][b].column(j, from) - G_a.bottomRows(rows) * G_b.row(j).transpose();
+        sum += a == b ? 2 * spread_[a].col(j).tail(rows).dot(rest) - spread_[a](j, j) * rest[0]
+                      : models_[a]->alpha().dot(rest) * models_[b]->alpha()[j];
       }
       const auto i = static_cast<Index>(a), k = static_cast<Index>(b);
       covariance(i, k) += sum;
