@@ -329,6 +329,20 @@ Guess integrating_start(const Beginning& b, const Task& task, Shapes shapes, Ran
   return {b.what, joined(shapes.transition, shapes.output, x0)};
 }
 
+// The rows at which the first state of their experiment has decayed to a tenth, or two thirds of them.
+std::vector<Index> settled_rows(const DataSet& data, const MatrixXd& A) {
+  Index long_enough = 0;
+  for (MatrixXd power = A; power.norm() > 0.1 && long_enough < data.samples(); power = (power * A).eval())
+    ++long_enough;
+  std::vector<Index> rows;
+  Index first = 0;
+  for (const Experiment& e : data.experiments) {
+    for (Index k = std::min(long_enough, e.samples() / 3); k < e.samples(); ++k) rows.push_back(first + k);
+    first += e.samples();
+  }
+  return rows;
+}
+
 // The states of the beginning lead to the outputs.
 Guess wiener_start(const Beginning& b, const Task& task, Shapes shapes, const NeuralStateSpaceOptions& options,
                    Random& random, Watch& watch) {
@@ -339,14 +353,38 @@ Guess wiener_start(const Beginning& b, const Task& task, Shapes shapes, const Ne
   const Linear map = linear_map(rows, y);
   spread_neurons(shapes.output, random);
   set_linear(shapes.output, map.matrix, map.constant);
-  if (shapes.output.layers.size() > 1) {
-    const StaticTraining training(shapes.output, rows, y);
-    TrainingOptions how;
-    how.iterations = 2 * trial_iterations;
-    how.decays = decays_of(shapes.output, options.decay);
-    shapes.output.set_theta(train(training, shapes.output.theta(), how, watch).theta);
+  if (shapes.output.layers.size() == 1) return {b.what, joined(shapes.transition, shapes.output, b.x0)};
+  // What the first states left behind is not what the output shall explain.
+  const std::vector<Index> settled = settled_rows(task.data, b.A);
+  const StaticTraining training(shapes.output, rows(settled, Eigen::all), y(settled, Eigen::all));
+  TrainingOptions how;
+  how.iterations = 2 * trial_iterations;
+  how.decays = decays_of(shapes.output, options.decay);
+  const TrainingResult result = train(training, shapes.output.theta(), how, watch);
+  shapes.output.set_theta(result.theta);
+  return {b.what, joined(shapes.transition, shapes.output, b.x0),
+          result.sse * static_cast<double>(rows.rows()) / static_cast<double>(settled.size())};
+}
+
+// The first states that the weights of a start make most probable.
+void find_first_states(Guess& guess, const Task& task, Shapes shapes, Index targets) {
+  const Index n = shapes.transition.outputs();
+  shapes.transition.set_theta(guess.theta.head(shapes.transition.parameters()));
+  shapes.output.set_theta(guess.theta.segment(shapes.transition.parameters(), shapes.output.parameters()));
+  NeuralStateSpace model;
+  model.inputs = task.data.inputs;
+  model.outputs = task.data.outputs;
+  model.Ts = task.data.Ts;
+  model.delay.assign(model.inputs.size(), 0);
+  model.transition = std::make_shared<Mlp>(shapes.transition, no_scaling(shapes.transition.inputs()), no_scaling(n));
+  model.output = std::make_shared<Mlp>(shapes.output, no_scaling(shapes.output.inputs()), no_scaling(task.y.size()));
+  model.deviations = VectorXd::Constant(task.y.size(), std::sqrt(guess.sse / static_cast<double>(targets) + 1e-12));
+  model.x0 = {guess.theta.segment(shapes.parameters(), n)};
+  Index at = shapes.parameters();
+  for (const VectorXd& x : first_states(model, task.filled, 100, 40)) {
+    guess.theta.segment(at, n) = x;
+    at += n;
   }
-  return {b.what, joined(shapes.transition, shapes.output, b.x0)};
 }
 
 std::string line_of(const std::string& what, const TrainingResult& result, Index targets) {
@@ -447,7 +485,7 @@ NeuralStateSpace fit_neural_state_space(const DataSet& data, const NeuralStateSp
     Guess guess = options.integrating ? integrating_start(b, task, shapes, random)
                                       : wiener_start(b, task, shapes, options, random, watch);
     guess.what += fmt::format(", start {}", i + 1);
-    guess.sse = training.sse(guess.theta);
+    if (draws == 1) guess.sse = training.sse(guess.theta);
     starts[static_cast<std::size_t>(i)] = std::move(guess);
   });
   // The best ones first, and of those the best one of each beginning.
@@ -480,6 +518,11 @@ NeuralStateSpace fit_neural_state_space(const DataSet& data, const NeuralStateSp
     starts.push_back(std::move(again));
   }
   starts.resize(chosen);
+  if (draws > 1) {
+    parallel_for(options.starts, options.threads, [&](int i) {
+      find_first_states(starts[static_cast<std::size_t>(i)], task, shapes, training.targets());
+    });
+  }
 
   TrainingOptions how;
   how.decays = VectorXd::Constant(training.parameters(), free_decay);

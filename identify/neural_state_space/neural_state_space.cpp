@@ -5,9 +5,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
+#include "identify/random.h"
 
 namespace plantloop::identify {
 
@@ -78,20 +80,37 @@ class Runner {
     return y;
   }
 
-  // The most probable first state.
-  VectorXd first_state(Index samples) {
+  // The most probable first state: downhill from the best ones of many guesses, on the first samples; from where that
+  // ends on all of them.
+  VectorXd first_state(Index samples, int count) {
+    const Index few = std::min<Index>(samples, 200);
+    std::vector<VectorXd> guesses = m_.x0;
+    guesses.resize(std::min<std::size_t>(guesses.size(), 20));
+    guesses.insert(guesses.begin(), VectorXd::Zero(n_));
+    Random random(1);
+    while (static_cast<int>(guesses.size()) < count) {
+      VectorXd x(n_);
+      for (double& value : x) value = 1.5 * random.normal();
+      guesses.push_back(std::move(x));
+    }
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < guesses.size(); ++i) {
+      const double own = criterion(guesses[i], few, nullptr, nullptr);
+      order.emplace_back(std::isfinite(own) ? own : std::numeric_limits<double>::infinity(), i);
+    }
+    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    order.resize(std::min<std::size_t>(order.size(), 2 + static_cast<std::size_t>(count) / 20));
     VectorXd best = VectorXd::Zero(n_);
-    double least = criterion(best, samples, nullptr, nullptr);
-    std::vector<VectorXd> starts{best};
-    starts.insert(starts.end(), m_.x0.begin(), m_.x0.end());
-    for (const VectorXd& start : starts) {
-      VectorXd x = start;
-      const double reached = descend(x, samples);
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [value, i] : order) {
+      VectorXd x = guesses[i];
+      const double reached = descend(x, few);
       if (reached < least) {
         least = reached;
         best = x;
       }
     }
+    if (few < samples) descend(best, samples);
     return best;
   }
 
@@ -100,7 +119,7 @@ class Runner {
     MatrixXd R;
     VectorXd g;
     double now = criterion(x, samples, &R, &g), lambda = 1e-2;
-    for (int i = 0; i < 60 && std::isfinite(now); ++i) {
+    for (int i = 0; i < 30 && std::isfinite(now); ++i) {
       MatrixXd damped = R;
       damped.diagonal() *= 1 + lambda;
       const VectorXd step = Eigen::LDLT<MatrixXd>(damped).solve(g);
@@ -182,11 +201,11 @@ std::shared_ptr<const Mlp> map_of(const Item& item, std::string_view key) {
 
 }  // namespace
 
-std::vector<VectorXd> first_states(const NeuralStateSpace& model, const DataSet& data, Index samples) {
+std::vector<VectorXd> first_states(const NeuralStateSpace& model, const DataSet& data, Index samples, int guesses) {
   check_fits(model, data);
   std::vector<VectorXd> result;
   for (const Experiment& e : data.experiments)
-    result.push_back(Runner(model, e).first_state(std::clamp<Index>(samples, 0, e.samples())));
+    result.push_back(Runner(model, e).first_state(std::clamp<Index>(samples, 0, e.samples()), guesses));
   return result;
 }
 

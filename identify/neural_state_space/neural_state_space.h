@@ -38,15 +38,16 @@ void check(const NeuralStateSpace& model);
 // Free run: samples x outputs of each experiment. Inputs before an experiment are its first ones. The first state is 0,
 // or the most probable one given the first `samples` measured outputs: it minimises
 //   sum |y - yhat|^2/deviations^2 + |x0|^2/9,
-// from 0 and from each of the model's own first states by Levenberg-Marquardt. Missing outputs do not count. Raises
-// IdentifyError for other signals, another sampling time and missing inputs.
+// by Levenberg-Marquardt from the best ones of several guesses: 0, the model's own first states, random ones. Missing
+// outputs do not count. Raises IdentifyError for other signals, another sampling time and missing inputs.
 std::vector<Eigen::MatrixXd> simulate(const NeuralStateSpace& model, const DataSet& data,
                                       StateStart start = StateStart::estimated,
                                       Eigen::Index samples = std::numeric_limits<Eigen::Index>::max());
 
 // The most probable first state of each experiment, as above; and the free run of one from a given state.
 std::vector<Eigen::VectorXd> first_states(const NeuralStateSpace& model, const DataSet& data,
-                                          Eigen::Index samples = std::numeric_limits<Eigen::Index>::max());
+                                          Eigen::Index samples = std::numeric_limits<Eigen::Index>::max(),
+                                          int guesses = 200);
 Eigen::MatrixXd simulate_from(const NeuralStateSpace& model, const Experiment& experiment, const Eigen::VectorXd& x0);
 
 Item to_item(const NeuralStateSpace& model);

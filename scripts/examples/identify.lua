@@ -520,6 +520,88 @@ local function identify_output(output)
     try_network(best_network.structure, best_network.neurons, best_network.decay, true)
   end
 
+  -- State-space models with neurons. What a network of past outputs finds hard is easy for them: a speed whose sign is
+  -- not measured, dynamics after a nonlinearity, integrators.
+  local best_neural
+  local neural_budget = spent + budget
+  local function try_neural(s, thorough)
+    if s.order < 1 or s.order > 8 or s.hidden > 24 or s.decay > 10 or s.decay < 1e-7 then return end
+    local key = ("neural %d %d %d %d %s %d %.1g %s"):format(s.order, s.hidden, s.out, s.projections, s.integrating, s.d, s.decay, thorough)
+    if tried[key] then return end
+    tried[key] = true
+    local starts, refined, iterations = 6, 2, 50
+    if s.projections > 0 then starts, refined = 24, 6 end
+    if thorough then starts, refined, iterations = 2 * starts, 2 * refined, 150 end
+    local all = s.order + inputs
+    local parameters = s.hidden * (all + 1) + s.order * (s.hidden + all + 1) + s.out * (all + 2) + s.order + 1
+    local function work_of() return rows * (parameters ^ 2 * 3e-10 + 1e-6) * (15 * starts + refined * iterations) end
+    -- Short records allow more.
+    local more = math.max(1, math.min(4, math.floor(4 / work_of())))
+    if s.projections > 0 then starts, refined = more * starts, more * refined end
+    if more > 1 then iterations = 2 * iterations end
+    local work = work_of()
+    if spent + work > neural_budget then return end
+    local list = delays(s.d)
+    for i = 1, inputs do list[i] = math.max(0, list[i]) end
+    local kept = budget
+    budget = neural_budget
+    local what = ("state space of order %d%s%s%s, delay %d, decay %.1g%s"):format(s.order, s.integrating and ", integrating" or "",
+      s.hidden > 0 and (", %d neurons"):format(s.hidden) or "",
+      s.out > 0 and (", %d of the output%s"):format(s.out, s.projections > 0 and ", Wiener" or "") or "", s.d, s.decay, thorough and ", long" or "")
+    local candidate = try("neural state space", what, work, function(x)
+      return identify.neural_state_space(x, {order = s.order, hidden = s.hidden, output_hidden = s.out, projections = s.projections,
+        integrating = s.integrating, feedthrough = s.d < 0, delay = list, decay = s.decay, starts = starts, refined = refined,
+        iterations = iterations, seed = seed})
+    end, function(x, model) return model:fit_free_run(x, {iterations = 150, decay = s.decay}) end)
+    budget = kept
+    if candidate and candidate.held < math.huge and (not best_neural or candidate.held < best_neural.held) then
+      best_neural = candidate
+      candidate.neural = s
+    end
+    return candidate
+  end
+  local function changed(s, changes)
+    local other = {}
+    for key, value in pairs(s) do other[key] = value end
+    for key, value in pairs(changes) do other[key] = value end
+    return other
+  end
+  if inputs > 0 then
+    local plain = {order = order, hidden = 5, out = 0, projections = 0, integrating = false, d = delay, decay = math.min(decay, 1e-2)}
+    local wiener = changed(plain, {hidden = 0, out = 6, projections = 1})
+    for _, d in ipairs(delay > 0 and {delay, 0} or {delay}) do
+      for n = math.max(1, order - 1), order + 1 do
+        try_neural(changed(plain, {order = n, d = d}))
+        try_neural(changed(wiener, {order = n, d = d}))
+      end
+      for n = 2, 3 do try_neural(changed(plain, {order = n, d = d, hidden = 3, integrating = true})) end
+    end
+    try_neural(changed(plain, {order = order + 1, hidden = 6, out = 4}))
+    for _ = 1, 6 do
+      local before = best_neural
+      if not before then break end
+      local s = before.neural
+      try_neural(changed(s, {order = s.order + 1}))
+      try_neural(changed(s, {order = s.order - 1}))
+      if s.hidden > 0 then
+        try_neural(changed(s, {hidden = math.ceil(1.5 * s.hidden)}))
+        try_neural(changed(s, {hidden = s.hidden // 1.6}))
+      else
+        try_neural(changed(s, {hidden = 4}))
+      end
+      if s.out > 0 then
+        try_neural(changed(s, {out = math.ceil(1.5 * s.out)}))
+      elseif not s.integrating then
+        try_neural(changed(s, {out = 4}))
+      end
+      try_neural(changed(s, {decay = s.decay / 10}))
+      try_neural(changed(s, {decay = s.decay * 10}))
+      if s.d > 0 then try_neural(changed(s, {d = s.d - 1})) end
+      if best_neural == before then break end
+    end
+    if best_neural then try_neural(best_neural.neural, true) end
+  end
+
   -- One-step models: Gaussian processes, radial functions, local models.
   local function one_step(family, what, work, s, fit)
     try(family, ("%s, %s"):format(what, named(s.ny, s.nu, s.d)), work, function(x) return fit(x, lags(s.ny, s.nu, s.d)) end)
@@ -667,7 +749,8 @@ local function identify_output(output)
   end
   print(("  written: %s.yaml, %s-validation.png, %s-residuals.png"):format(stem, stem, stem))
   local linear = {ARX = true, ["output error"] = true, ["Box-Jenkins"] = true, ["state space"] = true}
-  print(("  in a diagram: {type: %s, model: %s.yaml}"):format(linear[best.family] and "linear_model" or "narx", stem))
+  local block = linear[best.family] and "linear_model" or best.family == "neural state space" and "neural_state_space" or "narx"
+  print(("  in a diagram: {type: %s, model: %s.yaml}"):format(block, stem))
   for _, warning in ipairs(final.report.warnings) do print("  warning: " .. warning) end
 
   -- The figures judge what the shown model has not seen.
