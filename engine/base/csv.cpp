@@ -61,6 +61,14 @@ std::uint32_t column_at(std::string_view line, std::size_t offset) {
   return static_cast<std::uint32_t>(count_characters(line.substr(0, offset))) + 1;
 }
 
+// The number of a cell with one decimal comma.
+std::optional<double> with_decimal_comma(std::string_view cell) {
+  if (std::count(cell.begin(), cell.end(), ',') != 1 || cell.find('.') != std::string_view::npos) return {};
+  std::string text(cell);
+  text[text.find(',')] = '.';
+  return parse_number(text);
+}
+
 bool is_missing(std::string_view cell) { return cell.empty() || cell == "nan" || cell == "NaN" || cell == "NA"; }
 
 class CsvReader {
@@ -97,8 +105,9 @@ class CsvReader {
   void begin(std::string_view line) {
     separator_ = separator_of(line);
     const std::vector<Cell> cells = split(line, separator_);
-    const bool numbers =
-        std::all_of(cells.begin(), cells.end(), [](const Cell& cell) { return parse_number(cell.text).has_value(); });
+    const bool numbers = std::all_of(cells.begin(), cells.end(), [](const Cell& cell) {
+      return parse_number(cell.text).has_value() || with_decimal_comma(cell.text).has_value();
+    });
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const std::string name = numbers ? fmt::format("{}", i + 1) : cells[i].text;
       if (name.empty()) return fail(fmt::format("column {} has no name", i + 1), column_at(line, cells[i].offset));
@@ -120,10 +129,28 @@ class CsvReader {
       const std::string_view cell = trimmed(line.substr(offset, end - offset));
       if (index == columns.size()) {
         const auto found = static_cast<std::size_t>(std::count(line.begin(), line.end(), separator_)) + 1;
-        return fail(fmt::format("{} values, but the first line has {}", found, columns.size()),
+        return fail(fmt::format("{} values, but the first line has {}{}", found, columns.size(),
+                                separator_ == ',' && found == 2 * columns.size()
+                                    ? "; where a comma is the decimal mark, semicolons must separate the values"
+                                    : ""),
                     column_at(line, offset));
       }
       std::optional<double> value = parse_number(cell);
+      if (value && decimal_comma_ != 0 && cell.find('.') != std::string_view::npos) {
+        return fail(fmt::format("'{}' has a decimal point, but numbers before it (line {}) a decimal comma",
+                                printable(cell), decimal_comma_),
+                    column_at(line, offset));
+      }
+      if (value && decimal_point_ == 0 && cell.find('.') != std::string_view::npos) decimal_point_ = number_;
+      if (!value && separator_ != ',') {
+        value = with_decimal_comma(cell);
+        if (value && decimal_point_ != 0) {
+          return fail(fmt::format("'{}' has a decimal comma, but numbers before it (line {}) a decimal point",
+                                  printable(cell), decimal_point_),
+                      column_at(line, offset));
+        }
+        if (value && decimal_comma_ == 0) decimal_comma_ = number_;
+      }
       if (!value && missing_ == MissingCells::as_nan && is_missing(cell))
         value = std::numeric_limits<double>::quiet_NaN();
       if (!value) {
@@ -144,6 +171,7 @@ class CsvReader {
   MissingCells missing_;
   CsvResult result_;
   std::uint32_t number_ = 0;
+  std::uint32_t decimal_point_ = 0, decimal_comma_ = 0;  // the first line with one; 0: none so far
   char separator_ = ',';
 };
 

@@ -35,12 +35,16 @@ MatrixXd stacked(const DataSet& data, MatrixXd Experiment::*member, std::size_t 
 // Beyond these squares overflow, or vanish, and no estimate means anything.
 constexpr double largest_value = 1e150, smallest_value = 1e-150;
 
-void check_values(const MatrixXd& values, const std::vector<Channel>& channels, const Experiment& e) {
+double time_of(const DataSet& data, const Experiment& e, Index k) { return e.start + static_cast<double>(k) * data.Ts; }
+
+void check_values(const MatrixXd& values, const std::vector<Channel>& channels, const DataSet& data,
+                  const Experiment& e) {
   for (Index c = 0; c < values.cols(); ++c) {
     double greatest = 0;
     for (Index k = 0; k < values.rows(); ++k) {
       if (std::isinf(values(k, c))) {
-        fail("'{}' is infinite at sample {} of experiment '{}'", channels[static_cast<std::size_t>(c)].name, k, e.name);
+        fail("'{}' is infinite at sample {} (time {:.6g} s) of experiment '{}'",
+             channels[static_cast<std::size_t>(c)].name, k + 1, time_of(data, e, k), e.name);
       }
       if (std::fabs(values(k, c)) > greatest) greatest = std::fabs(values(k, c));
     }
@@ -109,8 +113,8 @@ void check(const DataSet& data) {
     if (e.u.cols() > 0 && e.u.rows() != e.y.rows()) {
       fail("experiment '{}' has {} samples of the inputs and {} of the outputs", e.name, e.u.rows(), e.y.rows());
     }
-    check_values(e.u, data.inputs, e);
-    check_values(e.y, data.outputs, e);
+    check_values(e.u, data.inputs, data, e);
+    check_values(e.y, data.outputs, data, e);
   }
 }
 
@@ -121,9 +125,10 @@ void refuse_missing(const DataSet& data, std::string_view method) {
         for (Index k = 0; k < values.rows(); ++k) {
           if (!std::isnan(values(k, c))) continue;
           fail(
-              "'{}' is missing at sample {} of experiment '{}', and {} needs a record without gaps: fill it first, or "
+              "'{}' is missing at sample {} (time {:.6g} s) of experiment '{}', and {} needs a record without gaps: "
+              "fill it first, or "
               "use the parts before and after",
-              channels[static_cast<std::size_t>(c)].name, k, e.name, method);
+              channels[static_cast<std::size_t>(c)].name, k + 1, time_of(data, e, k), e.name, method);
         }
       }
     };
@@ -143,7 +148,7 @@ DataSet make_data_set(MatrixXd u, MatrixXd y, double Ts, std::vector<Channel> in
 }
 
 DataSet part(const DataSet& data, Index from, Index until) {
-  if (from < 0 || until < from) fail("a part runs from a sample to a later one, not from {} to {}", from, until);
+  if (from < 0 || until < from) fail("a part runs from a sample to a later one, not from {} to {}", from + 1, until);
   DataSet result{data.Ts, data.inputs, data.outputs, {}};
   for (const Experiment& e : data.experiments) {
     const Index count = std::min(until, e.samples()) - from;
@@ -151,7 +156,7 @@ DataSet part(const DataSet& data, Index from, Index until) {
     result.experiments.push_back({e.name, e.start + static_cast<double>(from) * data.Ts, e.u.middleRows(from, count),
                                   e.y.middleRows(from, count)});
   }
-  if (result.experiments.empty()) fail("the data have no sample {}", from);
+  if (result.experiments.empty()) fail("the data have no sample {}", from + 1);
   return result;
 }
 

@@ -29,13 +29,31 @@ TEST(Csv, ReadsWhatSpreadsheetsAndInstrumentsWrite) {
   EXPECT_EQ(csv.table.columns[1], (std::vector{1.0, 2.0}));
 }
 
+TEST(Csv, ReadsDecimalCommasWhereNoCommaSeparates) {
+  const CsvResult csv = read_csv("Zeit;y\r\n0;-1,5\r\n0,1;2,5e-3\r\n0,2;7\r\n");
+  ASSERT_TRUE(csv.ok()) << csv.error;
+  EXPECT_EQ(csv.table.columns[0], (std::vector{0.0, 0.1, 0.2}));
+  EXPECT_EQ(csv.table.columns[1], (std::vector{-1.5, 2.5e-3, 7.0}));
+  const CsvResult tabs = read_csv("0,5\t1\n1\t\n", MissingCells::as_nan);
+  ASSERT_TRUE(tabs.ok()) << tabs.error;
+  EXPECT_EQ(tabs.table.names, (std::vector<std::string>{"1", "2"}));
+  EXPECT_EQ(tabs.table.columns[0], (std::vector{0.5, 1.0}));
+}
+
 TEST(Csv, SaysWhatIsWrongAndWhere) {
   const auto error = [](std::string_view text) {
     const CsvResult csv = read_csv(text);
     return std::to_string(csv.line) + ":" + std::to_string(csv.column) + ": " + csv.error;
   };
   EXPECT_EQ(error("t,y\n0,1\n1, abc\n"), "3:4: 'abc' is no number");
-  EXPECT_EQ(error("t;y\n0;1,5\n"), "2:3: '1,5' is no number");
+  EXPECT_EQ(error("t;y\n0;1.234,5\n"), "2:3: '1.234,5' is no number");
+  EXPECT_EQ(error("t;y\n0,5;1\n1.5;2\n"),
+            "3:1: '1.5' has a decimal point, but numbers before it (line 2) a decimal comma");
+  EXPECT_EQ(error("t;y\n0.5;1\n1;2,5\n"),
+            "3:3: '2,5' has a decimal comma, but numbers before it (line 2) a decimal point");
+  EXPECT_EQ(error("t,y\n0,5,1,25\n"),
+            "2:5: 4 values, but the first line has 2; where a comma is the decimal mark, semicolons must separate the "
+            "values");
   EXPECT_EQ(error("t,y\n0\n"), "2:2: 1 value, but the first line has 2");
   EXPECT_EQ(error("t,y\n0,1,2\n"), "2:5: 3 values, but the first line has 2");
   EXPECT_EQ(error("t,y\n0,\n"), "2:3: the value of 'y' is missing");

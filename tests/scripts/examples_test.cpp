@@ -127,7 +127,7 @@ TEST_F(IdentifyExample, SaysWhatIsWrongWithARecord) {
       {rows(300, [](int k) { return fmt::format("{},{},3\n", 0.1 * k, k % 7); }), "none of the outputs varies"},
       {rows(300, [](int k) { return fmt::format("{},{},\n", 0.1 * k, k % 7); }),
        "'y' has no values in experiment 1: leave the column out, or the experiment"},
-      {at_50("inf"), "'y' is infinite at sample 50 of experiment '1'"},
+      {at_50("inf"), "'y' is infinite at sample 51 (time 5 s) of experiment '1'"},
       {at_50("broken"), "bad.csv:52:5: 'broken' is no number"},
       {at_50("1,2"), "bad.csv:52:7: 4 values, but the first line has 3"},
       {scaled("e300"),

@@ -116,11 +116,12 @@ TEST(DataSet, RefusesInfinityAndEqualNamesAndSaysWhereAValueIsMissing) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(4);
   Eigen::VectorXd y = u;
   y[2] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(message([&] { make_data_set(u, y, 1); }), "'y' is infinite at sample 2 of experiment '1'");
+  EXPECT_EQ(message([&] { make_data_set(u, y, 1); }), "'y' is infinite at sample 3 (time 2 s) of experiment '1'");
   y[2] = std::numeric_limits<double>::quiet_NaN();
   const DataSet data = make_data_set(u, y, 1);
-  EXPECT_THAT(message([&] { refuse_missing(data, "a spectrum"); }),
-              HasSubstr("'y' is missing at sample 2 of experiment '1', and a spectrum needs a record without gaps"));
+  EXPECT_THAT(
+      message([&] { refuse_missing(data, "a spectrum"); }),
+      HasSubstr("'y' is missing at sample 3 (time 2 s) of experiment '1', and a spectrum needs a record without gaps"));
   EXPECT_EQ(message([&] { make_data_set(u, u, 1, {{"a", ""}}, {{"a", ""}}); }), "two signals are called 'a'");
   EXPECT_EQ(message([&] { make_data_set(u, u, 0); }), "the sampling time must be greater than 0 s, it is 0 s");
 }
