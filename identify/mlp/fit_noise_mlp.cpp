@@ -168,6 +168,7 @@ NarxMlpFit fit_with_noise(const DataSet& data, const RegressorSet& regressors, c
   fit.model = make_narx(fit.map.model, regressors, data, report);
   fit.model.simulated = options.simulation;
   fit.model.noise = training.filters_of(fit.map.training.theta);
+  fit.model.noise.covariance = training.covariance(fit.map.training.theta, how.decays);
   return fit;
 }
 

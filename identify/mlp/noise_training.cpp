@@ -2,6 +2,7 @@
 
 #include "identify/mlp/noise_training.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -139,7 +140,8 @@ MatrixXd NoiseTraining::errors(const VectorXd& theta, MatrixXd* s) const {
   return all;
 }
 
-double NoiseTraining::normal(const VectorXd& theta, MatrixXd& R, VectorXd& g) const {
+template <typename Row>
+double NoiseTraining::sweep(const VectorXd& theta, Row row) const {
   const Index first = regressors_.longest_lag(), outputs = network_.outputs(), p = parameters();
   const Index weights = network_.parameters(), inputs = network_.inputs();
   const Index depth = std::max<Index>({first, orders_.nc, orders_.nd}) + 1;
@@ -148,7 +150,8 @@ double NoiseTraining::normal(const VectorXd& theta, MatrixXd& R, VectorXd& g) co
   // Derivatives of the map, of what it does not explain and of the errors in rings, in units of the outputs.
   std::vector<MatrixXd> map_ring(static_cast<std::size_t>(depth)), rest_ring(map_ring), error_ring(map_ring);
   const auto place = [&](Index k) { return static_cast<std::size_t>(k % depth); };
-  NormalSum sum(p, R, g);
+  MatrixXd J(p, outputs);
+  VectorXd errors(outputs);
   double sse = 0;
   for (const Experiment& experiment : experiments_) {
     for (auto* const ring : {&map_ring, &rest_ring, &error_ring}) {
@@ -173,6 +176,8 @@ double NoiseTraining::normal(const VectorXd& theta, MatrixXd& R, VectorXd& g) co
       run.take(k, whole);
       sse += run.square(k);
       if (!(sse < runaway)) return std::numeric_limits<double>::infinity();
+      J.setZero();
+      errors.setConstant(std::numeric_limits<double>::quiet_NaN());
       for (Index o = 0; o < outputs; ++o) {
         if (!whole || !std::isfinite(experiment.y(k, o))) continue;
         by_rest.col(o) = -by_map.col(o);
@@ -189,17 +194,85 @@ double NoiseTraining::normal(const VectorXd& theta, MatrixXd& R, VectorXd& g) co
           column += run.noise.D[static_cast<std::size_t>(o)][i] * rest_ring[place(k - i)].col(o);
           column[at] += run.s(k - i, o);
         }
-        VectorXd::Map(sum.next(), p) = -column / y_.scale[o];
-        sum.add(run.e(k, o) / y_.scale[o]);
+        J.col(o) = -column / y_.scale[o];
+        errors[o] = run.e(k, o) / y_.scale[o];
       }
+      row(errors, J);
       map_ring[place(k)] = std::move(by_map);
       rest_ring[place(k)] = std::move(by_rest);
       error_ring[place(k)] = std::move(by_error);
     }
   }
+  return sse;
+}
+
+double NoiseTraining::normal(const VectorXd& theta, MatrixXd& R, VectorXd& g) const {
+  const Index p = parameters();
+  NormalSum sum(p, R, g);
+  const double sse = sweep(theta, [&](const VectorXd& errors, const MatrixXd& J) {
+    for (Index o = 0; o < J.cols(); ++o) {
+      if (!std::isfinite(errors[o])) continue;
+      VectorXd::Map(sum.next(), p) = J.col(o);
+      sum.add(errors[o]);
+    }
+  });
   sum.finish();
   if (!std::isfinite(sse) || !R.allFinite() || !g.allFinite()) return std::numeric_limits<double>::infinity();
   return sse;
+}
+
+MatrixXd NoiseTraining::covariance(const VectorXd& theta, const VectorXd& decays) const {
+  const Index p = parameters(), own = filters(), outputs = network_.outputs();
+  if (own == 0) return {};
+  const MatrixXd unknown = VectorXd::Constant(own, std::numeric_limits<double>::infinity()).asDiagonal();
+  MatrixXd R;
+  VectorXd g;
+  if (!std::isfinite(normal(theta, R, g))) return unknown;
+  // In parameters of equal lengths, without directions that the data do not determine.
+  const MatrixXd H = R + MatrixXd(decays.asDiagonal());
+  const VectorXd scale = H.diagonal().cwiseSqrt().cwiseMax(1e-300);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.cwiseInverse().asDiagonal() * H *
+                                                      scale.cwiseInverse().asDiagonal());
+  if (eigen.info() != Eigen::Success) return unknown;
+  VectorXd inverse = VectorXd::Zero(p);
+  std::vector<bool> determined(static_cast<std::size_t>(own), true);
+  for (Index i = 0; i < p; ++i) {
+    if (eigen.eigenvalues()[i] > 1e-12 * eigen.eigenvalues()[p - 1]) {
+      inverse[i] = 1 / eigen.eigenvalues()[i];
+      continue;
+    }
+    for (Index c = 0; c < own; ++c) {
+      if (std::fabs(eigen.eigenvectors()(p - own + c, i)) > 1e-6) determined[static_cast<std::size_t>(c)] = false;
+    }
+  }
+  const MatrixXd half = scale.cwiseInverse().asDiagonal() * eigen.eigenvectors();
+  const MatrixXd H_inverse = half * inverse.asDiagonal() * half.transpose();
+  const double effective = H_inverse.cwiseProduct(R).sum() / static_cast<double>(outputs);
+
+  MatrixXd S = MatrixXd::Zero(outputs, outputs), samples = S;
+  sweep(theta, [&](const VectorXd& errors, const MatrixXd&) {
+    for (Index a = 0; a < outputs; ++a) {
+      for (Index b = 0; b < outputs; ++b) {
+        if (!std::isfinite(errors[a] * errors[b])) continue;
+        S(a, b) += errors[a] * errors[b];
+        samples(a, b) += 1;
+      }
+    }
+  });
+  for (Index i = 0; i < S.size(); ++i) S.data()[i] /= std::max(1e-300, samples.data()[i] - effective);
+  if (!(samples.diagonal().minCoeff() > effective)) return unknown;
+  MatrixXd middle = MatrixXd::Zero(p, p);
+  sweep(theta, [&](const VectorXd&, const MatrixXd& J) { middle.noalias() += J * S * J.transpose(); });
+  const MatrixXd rows = H_inverse.bottomRows(own);
+  MatrixXd covariance = rows * middle * rows.transpose();
+  covariance = (0.5 * (covariance + covariance.transpose())).eval();
+  for (Index c = 0; c < own; ++c) {
+    if (determined[static_cast<std::size_t>(c)]) continue;
+    covariance.row(c).setZero();
+    covariance.col(c).setZero();
+    covariance(c, c) = std::numeric_limits<double>::infinity();
+  }
+  return covariance;
 }
 
 }  // namespace plantloop::identify

@@ -35,12 +35,21 @@ class NoiseTraining final : public Training {
   // The errors of all experiments below each other, in units of the outputs: samples x outputs. For tests and starts;
   // `s`, when given, the parts that the map does not explain.
   Eigen::MatrixXd errors(const Eigen::VectorXd& theta, Eigen::MatrixXd* s = nullptr) const;
+  // Of the filters' coefficients at theta, in its order: the block of H^-1 (sum J_k' S J_k) H^-1 with H = J'J +
+  // diag(decays), J_k the derivatives of the outputs at sample k and S the covariance of the errors there, E'E/(samples
+  // - effective parameters of each output). Directions of the network's weights that move no output are left out; a
+  // coefficient that such a direction moves has infinite variance. Without filters it is empty.
+  Eigen::MatrixXd covariance(const Eigen::VectorXd& theta, const Eigen::VectorXd& decays) const;
   // The filters that the end of theta stands for.
   NoiseFilters filters_of(const Eigen::VectorXd& theta) const;
 
  private:
   Eigen::Index filters() const { return (orders_.nc + orders_.nd) * network_.outputs(); }
   struct Run;
+  // Calls row(errors, J) for each predicted sample: normalised errors, NaN where an output is missing, and in a column
+  // of J for each output the derivatives of what is predicted, 0 where it is missing. The sum of squares, or infinity.
+  template <typename Row>
+  double sweep(const Eigen::VectorXd& theta, Row row) const;
   Network network_;
   Scaling x_, y_;
   RegressorSet regressors_;

@@ -74,7 +74,10 @@ void write_noise(const NarxModel& model, Item& item) {
   Item c = Item::list(), d = Item::list();
   for (const VectorXd& each : model.noise.C) c.add(each);
   for (const VectorXd& each : model.noise.D) d.add(each);
-  item.set("noise", Item().set("C", std::move(c)).set("D", std::move(d)));
+  Item noise;
+  noise.set("C", std::move(c)).set("D", std::move(d));
+  if (model.noise.covariance.size() > 0) noise.set("covariance", model.noise.covariance);
+  item.set("noise", std::move(noise));
 }
 
 void read_noise(const Item& item, NarxModel& model) {
@@ -82,7 +85,7 @@ void read_noise(const Item& item, NarxModel& model) {
   model.simulated = structure == "NBJ";
   if (item.has("noise")) {
     const Item& section = item.at("noise");
-    section.only({"C", "D"});
+    section.only({"C", "D", "covariance"});
     for (const auto& [key, list] : {std::pair("C", &model.noise.C), std::pair("D", &model.noise.D)}) {
       for (const Item& each : section.items(key)) {
         const VectorXd polynomial = Item().set(key, each).vector(key);
@@ -94,6 +97,13 @@ void read_noise(const Item& item, NarxModel& model) {
         section.at(key).wrong(
             fmt::format("there are {} polynomials for {} outputs", list->size(), model.regressors.outputs.size()));
     }
+  }
+  if (item.has("noise") && item.at("noise").has("covariance")) {
+    Eigen::Index count = 0;
+    for (const auto* list : {&model.noise.C, &model.noise.D}) {
+      for (const VectorXd& polynomial : *list) count += polynomial.size() - 1;
+    }
+    model.noise.covariance = item.at("noise").matrix("covariance", count, count);
   }
   if (model.simulated && (model.noise.empty() || model.regressors.errors > 0))
     item.at("structure").wrong("NBJ needs 'noise', and has no prediction errors among its regressors");

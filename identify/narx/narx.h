@@ -19,6 +19,8 @@ namespace plantloop::identify {
 // likewise.
 struct NoiseFilters {
   std::vector<Eigen::VectorXd> C, D;  // both empty: there are none
+  // Of c1 ... cnc, d1 ... dnd of each output one after the other; empty: nobody knows it.
+  Eigen::MatrixXd covariance;
   bool empty() const { return C.empty(); }
 };
 

@@ -271,6 +271,8 @@ const std::vector<Field<NarxModel>>& fields() {
       {"C", "pl.Vector", "of a linear noise filter C e = D (y - map): C of each output one after the other, else empty",
        [](lua_State* L, const M& m) { push_numbers(L, joined(m.noise.C)); }},
       {"D", "pl.Vector", "the same of D", [](lua_State* L, const M& m) { push_numbers(L, joined(m.noise.D)); }},
+      {"noise_covariance", "pl.Vector", "of c1 ..., d1 ... of each output one after the other",
+       [](lua_State* L, const M& m) { push_matrix(L, m.noise.covariance); }},
       {"names", "string[]", "the regressors",
        [](lua_State* L, const M& m) {
          std::vector<std::string> names;

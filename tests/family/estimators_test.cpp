@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
@@ -20,8 +21,11 @@
 #include "identify/linear/state_space.h"
 #include "identify/local_models/local_model_network.h"
 #include "identify/mlp/fit_mlp.h"
+#include "identify/mlp/prune.h"
+#include "identify/model_file/model_file.h"
 #include "identify/random.h"
 #include "identify/rbf/rbf_network.h"
+#include "identify/validation/folds.h"
 
 namespace plantloop::identify {
 namespace {
@@ -33,6 +37,7 @@ using Eigen::VectorXd;
 struct Fitted {
   FitReport report;
   Outputs run;  // free, over the data of the fit
+  std::string file;
 };
 
 struct Estimator {
@@ -41,7 +46,7 @@ struct Estimator {
 };
 
 Fitted linear(const DataSet& data, const PolynomialModel& m) {
-  Fitted result{m.fit, {}};
+  Fitted result{m.fit, {}, to_yaml("linear_model", to_item(m))};
   for (const VectorXd& y : simulate(m, data)) result.run.emplace_back(y);
   return result;
 }
@@ -52,7 +57,10 @@ Estimator polynomial(const char* name, const Orders& orders) {
 RegressorSet two_lags(const DataSet& data) {
   return parse_regressors(data.inputs.size() == 2 ? "y(k-1..2), u1(k-1), u2(k-1)" : "y(k-1..2), u(k-1..2)", data);
 }
-Fitted learned(const DataSet& data, const NarxModel& m) { return {m.fit, free_run(m, data)}; }
+Fitted learned(const DataSet& data, const NarxModel& m) { return {m.fit, free_run(m, data), to_yaml(m)}; }
+Fitted regression(const DataSet& data, const RegressionModel& m) {
+  return {m.fit, free_run(m, data), to_yaml("regression_model", to_item(m))};
+}
 // An estimator of static maps, on the rows of two lags.
 template <typename Fit>
 Estimator of_rows(const char* name, Fit fit) {
@@ -72,9 +80,14 @@ const std::vector<Estimator>& estimators() {
   mlp.training.iterations = 15;
   MlpOptions through_time = mlp;
   through_time.simulation = through_time.direct = true;
+  MlpOptions narmax = mlp, nbj = through_time;
+  narmax.nc = nbj.nc = nbj.nd = 1;
   GpOptions gp;
   gp.starts = 1;
   gp.max_iterations = 15;
+  GpOptions restarts = gp;
+  restarts.starts = 3;
+  restarts.max_iterations = 5;
   const auto rbf = [](RbfCentres centres) {
     return [centres](const MatrixXd& X, const MatrixXd& Y) {
       RbfOptions options;
@@ -95,27 +108,36 @@ const std::vector<Estimator>& estimators() {
       {"state_space",
        [](const DataSet& d) {
          const StateSpaceModel m = fit_subspace(d, {.order = 2});
-         return Fitted{m.fit, simulate(m, d)};
+         return Fitted{m.fit, simulate(m, d), to_yaml("state_space_model", to_item(m))};
        }},
       {"regression",
-       [](const DataSet& d) {
-         const RegressionModel m = fit_regression(d, two_lags(d), {.normalise = true});
-         return Fitted{m.fit, free_run(m, d)};
-       }},
+       [](const DataSet& d) { return regression(d, fit_regression(d, two_lags(d), {.normalise = true})); }},
       {"polynomial",
        [](const DataSet& d) {
-         const RegressionModel m = fit_selected(d, polynomial(two_lags(d), 2), {.most_terms = 6, .iterations = 10});
-         return Fitted{m.fit, free_run(m, d)};
+         return regression(d, fit_selected(d, polynomial(two_lags(d), 2), {.most_terms = 6, .iterations = 10}));
        }},
       {"mlp", [mlp](const DataSet& d) { return learned(d, fit_narx_mlp(d, two_lags(d), {}, mlp).model); }},
       {"mlp_through_time",
        [through_time](const DataSet& d) { return learned(d, fit_narx_mlp(d, two_lags(d), {}, through_time).model); }},
+      {"mlp_pruned",
+       [mlp](const DataSet& d) {
+         const NarxMlpFit whole = fit_narx_mlp(d, two_lags(d), {}, mlp);
+         const Regression rows = make_regression(d, two_lags(d));
+         const Pruned pruned = prune(*whole.map.model, rows.X, rows.Y, {}, {}, {.iterations = 5, .least = 6});
+         FitReport report = pruned.report;
+         if (rows.left_out > 0) report.warnings.emplace_back("rows were left out");
+         return learned(d, make_narx(pruned.model, two_lags(d), d, report));
+       }},
+      {"narmax", [narmax](const DataSet& d) { return learned(d, fit_narx_mlp(d, two_lags(d), {}, narmax).model); }},
+      {"nbj", [nbj](const DataSet& d) { return learned(d, fit_narx_mlp(d, two_lags(d), {}, nbj).model); }},
       of_rows("rbf_ols", rbf(RbfCentres::ols)),
       of_rows("rbf_box", rbf(RbfCentres::box)),
       of_rows("rbf_spread", rbf(RbfCentres::spread)),
       of_rows("local_grid", [](const MatrixXd& X, const MatrixXd& Y) { return fit_local_grid(X, Y, 2); }),
       of_rows("lolimot", [](const MatrixXd& X, const MatrixXd& Y) { return fit_lolimot(X, Y, 4); }),
       {"gaussian_process", [gp](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), gp)); }},
+      {"gaussian_process_of_three_starts",
+       [restarts](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), restarts)); }},
       {"gaussian_process_of_a_subset",
        [gp](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), {.process = gp, .most = 40})); }},
   };
@@ -185,6 +207,27 @@ TEST_P(EveryEstimator, GivesTheSameBitsTwice) {
   const Outputs once = fitted.run;
   ASSERT_EQ(complaint(data), "");
   EXPECT_EQ(fitted.run, once);
+}
+
+// The model file is the same on one thread and on more, of the whole record and of a training part of blocked folds.
+TEST_P(EveryEstimator, GivesTheSameFileOnAnyNumberOfThreads) {
+  const char* const before = std::getenv("LP_NUM_THREADS");
+  const std::string kept = before != nullptr ? before : "";
+  for (const DataSet& data : {good_data(), data_folds(good_data(), 3)[1].first}) {
+    std::string first;
+    for (const char* const threads : {"1", "2", "3"}) {
+      setenv("LP_NUM_THREADS", threads, 1);
+      ASSERT_EQ(complaint(data), "");
+      if (first.empty()) first = fitted.file;
+      EXPECT_EQ(fitted.file, first) << threads;
+    }
+    EXPECT_GT(first.size(), 100U);
+  }
+  if (before != nullptr) {
+    setenv("LP_NUM_THREADS", kept.c_str(), 1);
+  } else {
+    unsetenv("LP_NUM_THREADS");
+  }
 }
 
 TEST_P(EveryEstimator, WarnsOfAnInputThatDoesNotVary) {

@@ -10,6 +10,7 @@
 #include "identify/mlp/fit_mlp.h"
 #include "identify/model_file/model_file.h"
 #include "identify/narx/narx.h"
+#include "tests/identify/mlp/complex_network.h"
 #include "tests/identify/mlp/fixture.h"
 
 namespace plantloop::identify {
@@ -18,42 +19,21 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Complex = std::complex<double>;
-
-Complex activated(Activation activation, Complex s) {
-  if (activation == Activation::sigmoid) return 1.0 / (1.0 + std::exp(-s));
-  if (activation == Activation::tanh) return std::tanh(s);
-  if (activation == Activation::gaussian) return std::exp(-s * s);
-  return s;
-}
-
-// The network written anew on complex numbers, for the complex step (J. Lyness, C. Moler 1967).
-Eigen::VectorXcd complex_output(const Network& shape, const Eigen::VectorXcd& theta, const Eigen::VectorXcd& x) {
-  Eigen::VectorXcd h = x;
-  Index end = theta.size() - shape.direct.size();
-  for (const Layer& layer : shape.layers) {
-    end -= layer.w.size();
-    Eigen::VectorXcd next(layer.neurons());
-    for (Index i = 0; i < layer.neurons(); ++i) {
-      Complex s = theta[end + i * layer.w.cols() + layer.inputs()];
-      for (Index k = 0; k < layer.inputs(); ++k) s += theta[end + i * layer.w.cols() + k] * h[k];
-      next[i] = activated(layer.activation, s);
-    }
-    h = next;
-  }
-  for (Index o = 0; o < shape.direct.rows(); ++o) {
-    const Index row = theta.size() - shape.direct.size() + o * x.size();
-    for (Index k = 0; k < x.size(); ++k) h[o] += theta[row + k] * x[k];
-  }
-  return h;
-}
 
 class EveryActivation : public ::testing::TestWithParam<Activation> {};
 
 TEST_P(EveryActivation, GivesExactDerivativesOfWeightsAndInputs) {
-  for (const bool direct : {false, true})
+  struct Outputs {
+    Activation activation;
+    bool direct;
+  };
+  for (const Outputs& outputs : {Outputs{Activation::linear, false},
+                                 {Activation::linear, true},
+                                 {Activation::tanh, false},
+                                 {Activation::sigmoid, false},
+                                 {Activation::gaussian, false}})
     for (const std::vector<int>& hidden : {std::vector<int>{}, {4}, {5, 3}, {3, 4, 2}}) {
-      Network network = make_network(3, hidden, 2, GetParam(), Activation::linear, direct);
+      Network network = make_network(3, hidden, 2, GetParam(), outputs.activation, outputs.direct);
       Random random(5);
       randomise(network, 0.8, random);
       const VectorXd theta = network.theta();

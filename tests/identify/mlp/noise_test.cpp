@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "identify/error.h"
@@ -46,8 +47,8 @@ DataSet coloured(int samples, std::uint64_t seed, double deviation = 0.03) {
 }
 
 // A linear plant with the noise (C/D) v added to its output by `box_jenkins`, else C v to its equation.
-DataSet linear_plant(bool box_jenkins) {
-  Random random(8);
+DataSet linear_plant(bool box_jenkins, std::uint64_t seed = 8) {
+  Random random(seed);
   const int n = 400;
   MatrixXd u(n, 1), y(n, 1);
   double level = 0, w = 0, noise = 0, before = 0;
@@ -207,6 +208,34 @@ TEST(NoiseModels, NbjOfALinearNetworkIsBoxJenkins) {
   EXPECT_EQ(structure_name(fit.model), "NBJ");
   EXPECT_NEAR(fit.model.noise.D[0][1], -0.7, 0.12);
   EXPECT_NEAR(fit.model.noise.C[0][1], 0.4, 0.15);
+}
+
+// The filters' coefficients scatter by what their covariance says: the mean of (theta - truth)'P^-1(theta - truth) over
+// 150 records is their number, with the deviation sqrt(2 p/150). And it comes back from the file.
+TEST(NoiseModels, KnowTheUncertaintyOfTheirFilters) {
+  for (const bool box_jenkins : {true, false}) {
+    MlpOptions options = linear_network();
+    options.simulation = box_jenkins;
+    options.nc = 1;
+    options.nd = box_jenkins ? 1 : 0;
+    const Index p = options.nc + options.nd;
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+      const DataSet data = from_rest(linear_plant(box_jenkins, seed));
+      const NarxModel model = fit_narx_mlp(data, parse_regressors("y(k-1), u(k-1)", data), {}, options).model;
+      ASSERT_EQ(model.noise.covariance.rows(), p);
+      VectorXd error(p);
+      error[0] = model.noise.C[0][1] - (box_jenkins ? 0.4 : 0.6);
+      if (box_jenkins) error[1] = model.noise.D[0][1] + 0.7;
+      sum += error.dot(model.noise.covariance.ldlt().solve(error));
+      if (seed > 1) continue;
+      const std::string text = to_yaml(model);
+      const NarxModel back = read_narx(read_model_file(text, "noise.yaml"));
+      EXPECT_EQ(back.noise.covariance, model.noise.covariance);
+      EXPECT_EQ(to_yaml(back), text);
+    }
+    EXPECT_NEAR(sum / 150, static_cast<double>(p), 5 * std::sqrt(2 * static_cast<double>(p) / 150)) << box_jenkins;
+  }
 }
 
 // The book's plant with coloured equation noise: NARX leaves the colour in its residuals, NARMAX does not.
