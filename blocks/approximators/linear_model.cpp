@@ -19,7 +19,8 @@ struct LinearModel final : Block {
   static constexpr auto details =
       "x(k+1) = A x(k) + B (u(k) - u0),  y(k) = y0 + C x(k) + D (u(k) - u0): the free run of a model file of "
       "polynomials (FIR, ARX, ARMAX, OE, BJ; their noise is left out) or of matrices, around the operating point u0, "
-      "y0 and at the sampling time that the file gives. Polynomials are run in their observer companion form.";
+      "y0 and at the sampling time that the file gives. An estimated constant is part of y0. Polynomials are run in "
+      "their observer companion form.";
   static constexpr auto example = R"(
 blocks:
   u: {type: step, time: 1, before: 0, after: 1.2}

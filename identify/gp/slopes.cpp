@@ -208,11 +208,11 @@ std::vector<Observation> observations_of(const PolynomialModel& model, const Reg
     const auto input = std::find(inputs.begin(), inputs.end(), f.channel);
     if (f.of_output ? f.channel != output : input == inputs.end())
       fail("the linear model says nothing of '{}': the signal is not part of it", to_text(r, regressors));
-    rest[i] = f.of_output ? model.y0 : model.u0[input - inputs.begin()];
+    rest[i] = f.of_output ? model.level() : model.u0[input - inputs.begin()];
   }
 
   const double samples = static_cast<double>(std::max(1LL, model.fit.samples));
-  std::vector<Observation> list{{rest, 0, model.y0, model.variance / samples}};
+  std::vector<Observation> list{{rest, 0, model.level(), model.variance / samples}};
   const VectorXd slopes = coefficients(model), variances = variances_of(model);
   Index at = 0;
   const auto add = [&](bool of_output, int channel, int lag) {

@@ -72,12 +72,14 @@ LinearTask prepare(const DataSet& data, Orders orders, const LinearOptions& opti
   for (const int n : orders.nf) check_order(n, 0, "nf");
   for (const int d : orders.delay) check_order(d, -1, "delay");
   if (orders.parameters() == 0) fail("the model has no parameters: all orders are 0");
-  if (orders.parameters() > data.samples()) {
-    fail("{} parameters cannot be estimated from {} samples", orders.parameters(), data.samples());
+  task.orders = std::move(orders);
+  task.offset = options.offset;
+  task.initial = options.initial.value_or(options.offset ? Initial::estimate : Initial::rest);
+  if (task.parameters() > data.samples()) {
+    fail("{} parameters cannot be estimated from {} samples", task.parameters(), data.samples());
   }
   task.data = data;
   task.hash = hash(data);
-  task.orders = std::move(orders);
   task.u0 = Eigen::VectorXd::Zero(static_cast<Index>(inputs));
   if (!options.remove_means) return task;
   for (Index i = 0; i < task.u0.size(); ++i) task.u0[i] = mean(data, &Experiment::u, i);

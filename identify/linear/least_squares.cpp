@@ -53,7 +53,11 @@ LeastSquares least_squares(const MatrixXd& X, const VectorXd& y, const LeastSqua
   A.topRows(X.rows()) = X * scale.cwiseInverse().asDiagonal();
   VectorXd b = VectorXd::Zero(A.rows());
   b.head(y.size()) = y;
-  if (extra > 0) A.bottomRows(p) = MatrixXd((std::sqrt(options.ridge) * scale.cwiseInverse()).asDiagonal());
+  if (extra > 0) {
+    VectorXd weights = std::sqrt(options.ridge) * scale.cwiseInverse();
+    weights.tail(options.free_columns).setZero();
+    A.bottomRows(p) = MatrixXd(weights.asDiagonal());
+  }
 
   Eigen::ColPivHouseholderQR<MatrixXd> qr(A.rows(), p);
   qr.setThreshold(options.rank_tolerance);

@@ -10,6 +10,7 @@ namespace plantloop::identify {
 
 struct LeastSquaresOptions {
   double ridge = 0;               // adds ridge*|theta|^2 to the sum of squares; at least 0
+  Eigen::Index free_columns = 0;  // the last ones, which the ridge leaves free, as a constant
   double rank_tolerance = 1e-12;  // of a diagonal entry of R against the largest, columns scaled to length 1
 };
 

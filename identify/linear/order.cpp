@@ -63,7 +63,7 @@ ArxTable arx_table(const DataSet& given, const OrderRange& range, const LinearOp
   const int width = range.nb_most + range.delay_most - range.delay_least;
   const LinearTask task =
       prepare(given, {.na = range.na_most, .nb = {width}, .nf = {0}, .delay = {range.delay_least}}, options);
-  const ArxRows rows = arx_rows(task.data, task.orders, task.output);
+  const ArxRows rows = arx_rows(task.data, task.orders, task.output, task.offset);
   MatrixXd all(rows.Psi.rows(), rows.Psi.cols() + 1);
   all << rows.Psi, rows.y;
   const Index kept = std::min(all.rows(), all.cols());
@@ -84,13 +84,14 @@ ArxTable arx_table(const DataSet& given, const OrderRange& range, const LinearOp
         c.orders.nb.assign(given.inputs.size(), nb);
         c.orders.nf.assign(given.inputs.size(), 0);
         c.orders.delay.assign(given.inputs.size(), delay);
-        c.parameters = c.orders.parameters();
+        c.parameters = c.orders.parameters() + (task.offset ? 1 : 0);
         if (c.parameters == 0 || c.parameters >= table.rows) continue;
         MatrixXd X(R.rows(), c.parameters);
         X.leftCols(na) = R.leftCols(na);
         for (int i = 0; i < inputs; ++i) {
           X.middleCols(na + i * nb, nb) = R.middleCols(range.na_most + i * width + delay - range.delay_least, nb);
         }
+        if (task.offset) X.rightCols(1) = R.col(R.cols() - 2);
         const Eigen::ColPivHouseholderQR<MatrixXd> qr(X);
         const VectorXd theta = qr.solve(R.rightCols(1));
         c.sse = (R.rightCols(1) - X * theta).squaredNorm();
@@ -119,11 +120,13 @@ InformationTest information_test(const DataSet& data, int highest, int delay, co
   InformationTest test;
   for (int n = 1; n <= highest; ++n) {
     const LinearTask task = prepare(data, {.na = n, .nb = {n}, .nf = {0}, .delay = {delay}}, options);
-    const ArxRows rows = arx_rows(task.data, task.orders, task.output);
+    ArxRows rows = arx_rows(task.data, task.orders, task.output, task.offset);
+    // With an offset it stands first and does not count: what is left are deviations from the means.
+    if (task.offset) rows.Psi.col(0).swap(rows.Psi.col(rows.Psi.cols() - 1));
     // The determinant of R'R/N is the product of R's squared diagonal: never negative by rounding.
     const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(rows.Psi).matrixQR();
     double determinant = 1;
-    for (Index i = 0; i < R.cols(); ++i) {
+    for (Index i = task.offset ? 1 : 0; i < R.cols(); ++i) {
       determinant *= i < R.rows() ? R(i, i) * R(i, i) / static_cast<double>(rows.y.size()) : 0;
     }
     test.determinants.push_back(determinant);

@@ -34,6 +34,7 @@ Item to_item(const PolynomialModel& m) {
   }
   Item output = channel_item(m.output);
   output.set("operating_point", m.y0);
+  if (m.has_offset) output.set("offset", m.offset);
   Item item;
   item.set("structure", m.structure)
       .set("Ts", m.Ts)
@@ -41,8 +42,9 @@ Item to_item(const PolynomialModel& m) {
       .set("A", m.A)
       .set("C", m.C)
       .set("D", m.D)
-      .set("inputs", inputs)
-      .set("variance", m.variance)
+      .set("inputs", inputs);
+  if (m.initial == Initial::estimate) item.set("initial", "estimate");
+  item.set("variance", m.variance)
       .set("parameter_names", m.parameter_names())
       .set("covariance", m.covariance)
       .set("fit", to_item(m.fit));
@@ -50,16 +52,18 @@ Item to_item(const PolynomialModel& m) {
 }
 
 PolynomialModel polynomial_model_of(const Item& item) {
-  item.only({"plantloop_model", "type", "data", "structure", "Ts", "output", "A", "C", "D", "inputs", "variance",
-             "parameter_names", "covariance", "fit"});
+  item.only({"plantloop_model", "type", "data", "structure", "Ts", "output", "A", "C", "D", "inputs", "initial",
+             "variance", "parameter_names", "covariance", "fit"});
   PolynomialModel m;
   m.structure = item.text("structure");
   m.Ts = item.number("Ts");
   if (!(m.Ts > 0)) item.at("Ts").wrong("the sampling time 'Ts' must be greater than 0 s");
   const Item& output = item.at("output");
-  output.only({"name", "unit", "operating_point"});
+  output.only({"name", "unit", "operating_point", "offset"});
   m.output = {output.text("name"), output.has("unit") ? output.text("unit") : ""};
   m.y0 = output.number("operating_point");
+  m.has_offset = output.has("offset");
+  if (m.has_offset) m.offset = output.number("offset");
   m.A = monic_of(item, "A");
   m.C = monic_of(item, "C");
   m.D = monic_of(item, "D");
@@ -74,8 +78,13 @@ PolynomialModel polynomial_model_of(const Item& item) {
     u0.push_back(input.number("operating_point"));
   }
   m.u0 = Eigen::Map<const VectorXd>(u0.data(), static_cast<Eigen::Index>(u0.size()));
+  if (item.has("initial")) {
+    const std::string initial = item.text("initial");
+    if (initial != "rest" && initial != "estimate") item.at("initial").wrong("'initial' is rest or estimate");
+    if (initial == "estimate") m.initial = Initial::estimate;
+  }
   m.variance = item.number("variance");
-  const int p = m.orders().parameters();
+  const Eigen::Index p = m.parameters().size();
   m.covariance = item.matrix("covariance", p, p);
   m.fit = fit_report_of(item.at("fit"));
   return m;

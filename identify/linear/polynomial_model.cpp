@@ -9,6 +9,7 @@
 
 #include "identify/error.h"
 #include "identify/linear/filter.h"
+#include "identify/linear/prediction_error.h"
 
 namespace plantloop::identify {
 namespace {
@@ -23,16 +24,11 @@ VectorXd input(const PolynomialModel& m, const Experiment& e, std::size_t i) {
   return e.u.col(static_cast<Index>(i)).array() - m.u0[static_cast<Index>(i)];
 }
 
-// sum_i q^-d B_i/F_i u_i from rest.
-VectorXd input_part(const PolynomialModel& m, const Experiment& e) {
-  VectorXd sum = VectorXd::Zero(e.samples());
-  for (std::size_t i = 0; i < m.B.size(); ++i) sum += filter(m.numerator(i), m.F[i], input(m, e, i));
-  return sum;
-}
-
-VectorXd innovations(const PolynomialModel& m, const Experiment& e, std::size_t output) {
-  const VectorXd y = e.y.col(static_cast<Index>(output)).array() - m.y0;
-  return filter(m.D, m.C, filter(m.A, monic(0), y) - input_part(m, e));
+VectorXd innovations(const PolynomialModel& m, const Experiment& e, std::size_t output, Initial initial) {
+  Experiment about = e;
+  about.u.rowwise() -= m.u0.transpose();
+  about.y.col(static_cast<Index>(output)).array() -= m.y0;
+  return errors_of(m, about, output, initial, nullptr);
 }
 
 }  // namespace
@@ -72,7 +68,7 @@ PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data,
 }
 
 VectorXd PolynomialModel::parameters() const {
-  VectorXd theta(orders().parameters());
+  VectorXd theta(orders().parameters() + (has_offset ? 1 : 0));
   Index at = 0;
   const auto put = [&](const auto& part) {
     theta.segment(at, part.size()) = part;
@@ -83,6 +79,7 @@ VectorXd PolynomialModel::parameters() const {
   put(C.tail(C.size() - 1));
   put(D.tail(D.size() - 1));
   for (const VectorXd& f : F) put(f.tail(f.size() - 1));
+  if (has_offset) theta[at] = offset;
   return theta;
 }
 
@@ -98,6 +95,7 @@ void PolynomialModel::set_parameters(const VectorXd& theta) {
   take(C, 1);
   take(D, 1);
   for (VectorXd& f : F) take(f, 1);
+  if (has_offset) offset = theta[at];
 }
 
 std::vector<std::string> PolynomialModel::parameter_names() const {
@@ -111,6 +109,7 @@ std::vector<std::string> PolynomialModel::parameter_names() const {
   put('c', C.size() - 1, "");
   put('d', D.size() - 1, "");
   for (std::size_t i = 0; i < F.size(); ++i) put('f', F[i].size() - 1, ending(i));
+  if (has_offset) names.emplace_back("offset");
   return names;
 }
 
@@ -137,6 +136,10 @@ PolynomialModel::Common PolynomialModel::common() const {
 bool PolynomialModel::is_stable() const { return identify::is_stable(common().denominator); }
 
 double PolynomialModel::gain(std::size_t i) const { return B[i].sum() / (A.sum() * F[i].sum()); }
+
+bool PolynomialModel::integrates() const { return !(std::fabs(A.sum()) > 1e-12 * A.lpNorm<1>()); }
+
+double PolynomialModel::level() const { return has_offset && !integrates() ? y0 + offset / A.sum() : y0; }
 
 std::size_t match(const PolynomialModel& model, const DataSet& data) {
   check(data);
@@ -186,43 +189,53 @@ Series simulate(const PolynomialModel& model, const DataSet& data, Start start, 
   const PolynomialModel::Common c = model.common();
   Index first = c.denominator.size() - 1;
   for (const VectorXd& n : c.numerators) first = std::max(first, n.size() - 1);
+  const double level = model.level();
+  // Where no level belongs to the constant it drives A y.
+  double drift = 0;
+  if (model.has_offset && model.integrates()) {
+    drift = model.offset;
+    for (const VectorXd& f : model.F) drift *= f.sum();
+  }
   Series result;
   for (const Experiment& e : data.experiments) {
-    VectorXd y = VectorXd::Zero(e.samples());
+    VectorXd y = VectorXd::Constant(e.samples(), drift);
     for (std::size_t i = 0; i < c.numerators.size(); ++i) y += filter(c.numerators[i], monic(0), input(model, e, i));
     Index k = 0;
     if (start == Start::measured) {
-      for (; k < std::min(first, e.samples()); ++k) y[k] = e.y(k, static_cast<Index>(output)) - model.y0;
+      for (; k < std::min(first, e.samples()); ++k) y[k] = e.y(k, static_cast<Index>(output)) - level;
     }
     for (; k < e.samples(); ++k) {
       for (Index i = 1; i < std::min(c.denominator.size(), k + 1); ++i) y[k] -= c.denominator[i] * y[k - i];
     }
     if (start == Start::estimated)
-      y += of_the_past(c.denominator, e.y.col(static_cast<Index>(output)).array() - model.y0, VectorXd(y), samples);
-    result.push_back(y.array() + model.y0);
+      y += of_the_past(c.denominator, e.y.col(static_cast<Index>(output)).array() - level, VectorXd(y), samples);
+    result.push_back(y.array() + level);
   }
   return result;
 }
 
-Series k_step(const PolynomialModel& model, const DataSet& data, int steps) {
+Series k_step(const PolynomialModel& model, const DataSet& data, int steps, std::optional<Initial> initial) {
   const std::size_t output = match(model, data);
   if (steps < 1) fail("a prediction looks at least one step ahead, not {}", steps);
   // y(k | k-h) = y(k) - sum_{i<h} h_i v(k-i) with the impulse response h of the noise model C/(A D).
   const VectorXd h = impulse_response(model.C, multiply(model.A, model.D), steps);
   Series result;
   for (const Experiment& e : data.experiments) {
-    const VectorXd v = innovations(model, e, output);
+    const VectorXd v = innovations(model, e, output, initial.value_or(model.initial));
     result.push_back(e.y.col(static_cast<Index>(output)) - filter(h, monic(0), v));
   }
   return result;
 }
 
-Series one_step(const PolynomialModel& model, const DataSet& data) { return k_step(model, data, 1); }
+Series one_step(const PolynomialModel& model, const DataSet& data, std::optional<Initial> initial) {
+  return k_step(model, data, 1, initial);
+}
 
-Series residuals(const PolynomialModel& model, const DataSet& data) {
+Series residuals(const PolynomialModel& model, const DataSet& data, std::optional<Initial> initial) {
   const std::size_t output = match(model, data);
   Series result;
-  for (const Experiment& e : data.experiments) result.push_back(innovations(model, e, output));
+  const Initial begin = initial.value_or(model.initial);
+  for (const Experiment& e : data.experiments) result.push_back(innovations(model, e, output, begin));
   return result;
 }
 

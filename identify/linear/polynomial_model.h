@@ -1,6 +1,6 @@
 // Linear models of one output with polynomials in the delay operator:
 //
-//   A y(k) = sum_i q^-d_i (B_i/F_i) u_i(k) + (C/D) v(k),   v white noise
+//   A y(k) = sum_i q^-d_i (B_i/F_i) u_i(k) + offset + (C/D) v(k),   v white noise
 //
 // A = 1 + a1 q^-1 + ..., C, D, F likewise; B = b1 q^-1 + b2 q^-2 + ..., so that with d = 0 the input acts one sample
 // later. A delay of -1 means that it acts at once. FIR: A = C = D = F = 1; ARX: C = D = F = 1; ARMAX: D = F = 1; OE: A
@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct Orders {
   int longest_lag() const;  // max(na, nb + d)
 };
 
+// The past before the first sample of a record, which nobody has measured.
+enum class Initial {
+  rest,      // at rest: inputs at u0, the output at the level that belongs to them, no noise
+  estimate,  // of the process, the one that makes the prediction errors of the experiment least; see prediction_error.h
+};
+
 struct PolynomialModel {
   std::string structure;  // "FIR", "ARX", "ARMAX", "OE", "BJ", "general"
   std::vector<Channel> inputs;
@@ -36,12 +43,15 @@ struct PolynomialModel {
   std::vector<int> delay;
   Eigen::VectorXd u0;  // operating point: the model is of u - u0 and y - y0
   double y0 = 0;
-  double variance = 0;         // of v
-  Eigen::MatrixXd covariance;  // of parameters(), in their order
+  bool has_offset = false;  // whether the constant is a parameter
+  double offset = 0;
+  Initial initial = Initial::rest;  // of the fit, and of predictions unless told otherwise
+  double variance = 0;              // of v
+  Eigen::MatrixXd covariance;       // of parameters(), in their order
   FitReport fit;
 
   Orders orders() const;
-  // a1.. ana, b of each input, c, d, f of each input.
+  // a1.. ana, b of each input, c, d, f of each input, the offset.
   Eigen::VectorXd parameters() const;
   void set_parameters(const Eigen::VectorXd& theta);
   std::vector<std::string> parameter_names() const;  // "a1", "b1" or "b1.2" (input 2), ...
@@ -55,6 +65,10 @@ struct PolynomialModel {
   Common common() const;
   bool is_stable() const;                // A F
   double gain(std::size_t input) const;  // at rest
+  // A(1) = 0 but for rounding: a constant then makes a ramp, and no level belongs to it.
+  bool integrates() const;
+  // The output at rest with the inputs at u0: y0 + offset/A(1); y0 when A integrates.
+  double level() const;
 };
 
 // A model with these orders and all parameters 0.
@@ -62,7 +76,7 @@ PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data,
 
 // Where a simulation starts.
 enum class Start {
-  zero,      // from rest at the operating point
+  zero,      // from rest at the operating point, at the level of the offset
   measured,  // the first samples (as many as the longest lag) are the measured ones
   // From the past that fits the first measured samples best, in least squares. It is the better start of models that
   // are not driven by measured outputs, as noise in a few samples may hide a slow state.
@@ -77,12 +91,12 @@ using Series = std::vector<Eigen::VectorXd>;
 // it.
 Series simulate(const PolynomialModel& model, const DataSet& data, Start start = Start::measured,
                 Eigen::Index samples = std::numeric_limits<Eigen::Index>::max());
-// y(k) predicted from outputs up to k-1 and inputs up to k.
-Series one_step(const PolynomialModel& model, const DataSet& data);
+// y(k) predicted from outputs up to k-1 and inputs up to k. `initial`: the model's own unless given.
+Series one_step(const PolynomialModel& model, const DataSet& data, std::optional<Initial> initial = {});
 // y(k) predicted from outputs up to k - steps and inputs up to k.
-Series k_step(const PolynomialModel& model, const DataSet& data, int steps);
+Series k_step(const PolynomialModel& model, const DataSet& data, int steps, std::optional<Initial> initial = {});
 // y - one_step.
-Series residuals(const PolynomialModel& model, const DataSet& data);
+Series residuals(const PolynomialModel& model, const DataSet& data, std::optional<Initial> initial = {});
 
 // The column of the data that is the model's output; raises IdentifyError when names or sampling time do not fit.
 std::size_t match(const PolynomialModel& model, const DataSet& data);

@@ -11,6 +11,7 @@
 #include "identify/linear/arx.h"
 #include "identify/linear/filter.h"
 #include "identify/linear/levenberg_marquardt.h"
+#include "identify/linear/prediction_error.h"
 
 namespace plantloop::identify {
 namespace {
@@ -19,49 +20,26 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const VectorXd one = VectorXd::Ones(1);
-
-// Writes a series, delayed by 1 ... count samples, into columns from `column` on.
-void put_delays(MatrixXd& J, Index row, Index& column, const VectorXd& series, Index count, double sign) {
-  for (Index i = 1; i <= count; ++i) J.col(column++).segment(row, series.size()) = sign * delayed(series, i);
-}
-
-// v of one experiment, whose signals are about the operating point, and its part of the Jacobian.
-VectorXd errors_of(const PolynomialModel& m, const Experiment& e, std::size_t output, Index row, MatrixXd* J) {
-  const VectorXd y = e.y.col(static_cast<Index>(output));
-  std::vector<VectorXd> w;
-  VectorXd s = filter(m.A, one, y);
-  for (std::size_t i = 0; i < m.B.size(); ++i) {
-    w.push_back(filter(m.numerator(i), m.F[i], e.u.col(static_cast<Index>(i))));
-    s -= w[i];
-  }
-  VectorXd v = filter(m.D, m.C, s);
-  if (J == nullptr) return v;
-  Index column = 0;
-  put_delays(*J, row, column, filter(m.D, m.C, y), m.A.size() - 1, 1);
-  for (std::size_t i = 0; i < m.B.size(); ++i) {
-    // The delay of -1 is a shift to the left, so the filter is applied to u and the columns are shifted by d + j.
-    const VectorXd u = filter(m.D, multiply(m.C, m.F[i]), e.u.col(static_cast<Index>(i)));
-    for (Index j = 1; j <= m.B[i].size(); ++j) J->col(column++).segment(row, v.size()) = -delayed(u, m.delay[i] + j);
-  }
-  put_delays(*J, row, column, filter(one, m.C, v), m.C.size() - 1, -1);
-  put_delays(*J, row, column, filter(one, m.C, s), m.D.size() - 1, 1);
-  for (std::size_t i = 0; i < m.B.size(); ++i) {
-    put_delays(*J, row, column, filter(m.D, multiply(m.C, m.F[i]), w[i]), m.F[i].size() - 1, 1);
-  }
-  return v;
-}
-
 // With the signals as they are: the operating point is already taken away.
 VectorXd errors(const PolynomialModel& m, const DataSet& data, std::size_t output, MatrixXd* J) {
   VectorXd v(data.samples());
-  if (J != nullptr) J->resize(v.size(), m.orders().parameters());
+  if (J != nullptr) J->resize(v.size(), m.parameters().size());
   Index row = 0;
+  MatrixXd own;
   for (const Experiment& e : data.experiments) {
-    v.segment(row, e.samples()) = errors_of(m, e, output, row, J);
+    v.segment(row, e.samples()) = errors_of(m, e, output, m.initial, J == nullptr ? nullptr : &own);
+    if (J != nullptr) J->middleRows(row, e.samples()) = own;
     row += e.samples();
   }
   return v;
+}
+
+// How many values of the past are estimated beside the parameters.
+Index unknown_past(const PolynomialModel& m, const DataSet& data) {
+  Index count = 0;
+  if (m.initial == Initial::rest) return count;
+  for (const Experiment& e : data.experiments) count += values_of_the_past(m, e.samples());
+  return count;
 }
 
 // C and F without roots outside of the unit circle.
@@ -87,6 +65,7 @@ PolynomialModel from_arx(const PolynomialModel& arx, const PolynomialModel& empt
     const Index nf = std::min(arx.A.size(), m.F[i].size());
     m.F[i].head(nf) = arx.A.head(nf);
   }
+  m.offset = m.A.size() > 1 || arx.integrates() ? arx.offset : arx.offset / arx.A.sum();
   return m;
 }
 
@@ -122,19 +101,52 @@ void add_noise_start(const LinearTask& task, const PolynomialModel& base, std::v
   known.data.inputs.push_back({"noise of the start", ""});
   known.u0 = VectorXd::Zero(known.u0.size() + 1);
   for (Experiment& e : known.data.experiments) {
-    const VectorXd v = errors_of(arx, e, task.output, 0, nullptr);
+    const VectorXd v = errors_of(arx, e, task.output, arx.initial, nullptr);
     e.u.conservativeResize(e.y.rows(), e.u.cols() + 1);
     e.u.rightCols(1) = v;
   }
-  const ArxRows with_noise = arx_rows(known.data, known.orders, known.output, extended.orders.longest_lag());
-  if (with_noise.y.size() < known.orders.parameters()) return;
+  const ArxRows with_noise =
+      arx_rows(known.data, known.orders, known.output, known.offset, extended.orders.longest_lag());
+  if (with_noise.y.size() < known.parameters()) return;
   const PolynomialModel second = fit_arx(known, {});
   PolynomialModel m = from_arx(second, base);
   m.C.tail(o.nc) = second.B.back();
   starts.push_back({"noise of a long ARX model", mirrored(std::move(m))});
 }
 
-std::vector<StartModel> starts_of(const LinearTask& task, const LinearOptions& options, const PolynomialModel& empty) {
+// C and D of s = y - w, what a model without noise leaves, by the same two steps: s is an ARMA series.
+bool add_noise_of(const LinearTask& task, PolynomialModel& m) {
+  const Orders& o = task.orders;
+  LinearTask series;
+  series.data.Ts = task.data.Ts;
+  series.data.outputs = {{"s", ""}};
+  m.C = m.D = VectorXd::Ones(1);
+  for (const Experiment& e : task.data.experiments) {
+    const VectorXd s = errors_of(m, e, task.output, m.initial, nullptr);
+    if (!s.allFinite()) return false;
+    series.data.experiments.push_back({e.name, 0, MatrixXd(s.size(), 0), s});
+  }
+  const int rows = static_cast<int>(task.data.samples());
+  LinearTask extended = series;
+  extended.orders.na = std::clamp(rows / 50, o.nc + o.nd + 4, 20);
+  if (extended.orders.na * 4 > rows) return false;
+  const PolynomialModel ar = fit_arx(extended, {});
+  series.orders = {.na = o.nd, .nb = {o.nc}, .nf = {0}, .delay = {0}};
+  series.data.inputs = {{"noise of the start", ""}};
+  series.u0 = VectorXd::Zero(1);
+  for (Experiment& e : series.data.experiments) e.u = errors_of(ar, e, 0, Initial::estimate, nullptr);
+  if (arx_rows(series.data, series.orders, 0, false, extended.orders.na).y.size() < series.orders.parameters())
+    return false;
+  const PolynomialModel arma = fit_arx(series, {});
+  m.D = arma.A;
+  m.C = VectorXd::Ones(o.nc + 1);
+  m.C.tail(o.nc) = arma.B[0];
+  m = mirrored(std::move(m));
+  return true;
+}
+
+std::vector<StartModel> starts_of(const LinearTask& task, const LinearOptions& options, const PolynomialModel& empty,
+                                  const FitControl& control) {
   std::vector<StartModel> starts;
   LinearTask linear = task;
   linear.orders = arx_orders(task.orders);
@@ -153,15 +165,59 @@ std::vector<StartModel> starts_of(const LinearTask& task, const LinearOptions& o
       const Index nf = std::min(filtered.F[i].size(), m.F[i].size());
       m.F[i].head(nf) = filtered.F[i].head(nf);
     }
+    m.offset = filtered.offset;
     starts.push_back({"filtered least squares", mirrored(std::move(m))});
   }
   add_noise_start(task, empty, starts);
+  if (task.orders.na > 0 || task.orders.nc + task.orders.nd == 0) return starts;
+  // Box-Jenkins: the noise of the best model without one.
+  LinearTask quiet = task;
+  quiet.orders.nc = quiet.orders.nd = 0;
+  PolynomialModel m = rational ? search_linear(quiet, {.iterations = options.iterations}, control) : fit_arx(quiet, {});
+  m.covariance = empty.covariance;
+  if (!add_noise_of(task, m)) return starts;
+  starts.push_back({"output error, then its noise", m});
+  if (task.orders.nc == 0 || task.orders.nd == 0) return starts;
+  // C and D may share roots, and where they part is not seen from there: once more with all in one of them.
+  LinearTask autoregressive = task;
+  autoregressive.orders.nc = 0;
+  if (add_noise_of(autoregressive, m)) {
+    m.C = VectorXd::Unit(task.orders.nc + 1, 0);
+    starts.push_back({"output error, then its noise as an AR series", std::move(m)});
+  }
   return starts;
+}
+
+// From rest, the first prediction errors are far greater than those after them where the record did not begin so.
+void warn_of_the_start(PolynomialModel& model, const DataSet& data, const VectorXd& v) {
+  if (model.initial == Initial::estimate) return;
+  double first = 0;
+  Index count = 0, row = 0;
+  for (const Experiment& e : data.experiments) {
+    const Index early = values_of_the_past(model, e.samples());
+    first += v.segment(row, early).squaredNorm();
+    count += early;
+    row += e.samples();
+  }
+  if (v.size() < 3 * count || count == 0) return;
+  const double later = (v.squaredNorm() - first) / static_cast<double>(v.size() - count);
+  // The sum of `count` squares of variance 1 is beyond this once in a million times.
+  if (first > later * (20 + 3 * static_cast<double>(count))) {
+    model.fit.warnings.push_back(
+        fmt::format("the first prediction errors are {:.2g} times as large as the others, as when the record does not "
+                    "begin at rest: estimate its past with initial = \"estimate\", and with offset = true where the "
+                    "level is not known",
+                    std::sqrt(first / static_cast<double>(count) / later)));
+  }
 }
 
 void add_warnings(PolynomialModel& model, const MarquardtResult& best) {
   if (!best.converged) model.fit.warnings.emplace_back("the search stopped at its limit; the estimate may be improved");
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
+  if (!is_stable(model.C, 0.9999)) {
+    model.fit.warnings.emplace_back(
+        "C has a root on the unit circle: the record does not tell the noise model, or its order is too high");
+  }
   const VectorXd deviations = model.covariance.diagonal().cwiseSqrt();
   const VectorXd theta = model.parameters();
   const std::vector<std::string> names = model.parameter_names();
@@ -191,6 +247,11 @@ VectorXd prediction_errors(const PolynomialModel& model, const DataSet& data, Ma
 PolynomialModel search_linear(const LinearTask& task, const LinearOptions& options, const FitControl& control) {
   refuse_missing(task.data, "the prediction error method");
   const PolynomialModel empty = begin_model(task);
+  const Index unknown = task.parameters() + unknown_past(empty, task.data);
+  if (unknown >= task.data.samples()) {
+    fail("{} parameters, of which {} are of the past before the records, cannot be estimated from {} samples", unknown,
+         unknown - task.parameters(), task.data.samples());
+  }
   PolynomialModel trial = empty;
   const Residuals criterion = [&](const VectorXd& theta, MatrixXd* J) {
     trial.set_parameters(theta);
@@ -205,7 +266,7 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
   PolynomialModel model = empty;
   MarquardtResult best;
   best.sse = std::numeric_limits<double>::infinity();
-  for (const StartModel& start : starts_of(task, options, empty)) {
+  for (const StartModel& start : starts_of(task, options, empty, control)) {
     if (!std::isfinite(criterion(start.model.parameters(), nullptr).squaredNorm())) continue;
     MarquardtResult result =
         minimise_squares(criterion, start.model.parameters(), {.iterations = options.iterations}, project, control);
@@ -215,7 +276,7 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
   }
   if (best.theta.size() == 0) fail("the search found no start at which the prediction error is finite");
   model.set_parameters(best.theta);
-  const double freedom = rows - static_cast<double>(best.theta.size());
+  const double freedom = rows - static_cast<double>(best.theta.size() + unknown_past(model, task.data));
   model.variance = best.sse / freedom;
   model.covariance = covariance_of(best.jacobian, model.variance);
   model.fit.method = "prediction error method, Levenberg-Marquardt";
@@ -226,6 +287,8 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
   model.fit.stopped = best.stopped;
   model.fit.options = options_of(options);
   add_warnings(model, best);
+  warn_of_the_start(model, task.data, best.residuals);
+  warn_of_constant(model, best.residuals);
   return model;
 }
 

@@ -85,7 +85,13 @@ StateSpaceModel to_state_space(const PolynomialModel& model) {
   s.outputs = {model.output};
   s.Ts = model.Ts;
   s.u0 = model.u0;
-  s.y0 = VectorXd::Constant(1, model.y0);
+  s.y0 = VectorXd::Constant(1, model.level());
+  if (model.has_offset && model.integrates() && model.offset != 0) {
+    std::size_t i = 0;
+    while (i < model.B.size() && model.B[i].sum() == 0) ++i;
+    if (i == model.B.size()) fail("the constant drives an integrator, and no input of the model could make up for it");
+    s.u0[static_cast<Index>(i)] -= model.offset * model.F[i].sum() / model.B[i].sum();
+  }
   VectorXd a = VectorXd::Zero(n + 1);
   a.head(c.denominator.size()) = c.denominator;
   s.A = MatrixXd::Zero(n, n);

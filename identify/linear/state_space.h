@@ -31,15 +31,19 @@ struct SubspaceOptions {
   int highest = 10;           // order that is chosen from, with order = 0
   int block_rows = 10;        // i, of the Hankel matrices; greater than the order
   bool remove_means = false;  // fit deviations from the means of the data, which become the operating point
+  bool offset = false;        // estimate the outputs' operating point y0 with B, D and the first states
   bool feedthrough = true;    // whether D is estimated; else it is 0
 };
 
 // The subspace method PO-MOESP (M. Verhaegen 1994): LQ decomposition of [Uf; Up; Yp; Yf], the singular values of the
 // part of Yf that the past explains, A and C from the shift invariance of the observability matrix, B, D and x0 by
-// least squares of the simulated response. A delay of d samples appears as d further states. Raises IdentifyError.
+// least squares of the simulated response. With an offset the projection also takes constants out, so that they do not
+// bias A and C. A delay of d samples appears as d further states. Raises IdentifyError.
 StateSpaceModel fit_subspace(const DataSet& data, const SubspaceOptions& options = {}, const FitControl& control = {});
 
-// The observer companion form of a polynomial model's free run (its noise is left out). Exact.
+// The observer companion form of a polynomial model's free run (its noise is left out). Exact. An offset becomes part
+// of y0; where the model integrates, of u0 of the first input that can make up for it. Raises IdentifyError when none
+// can.
 StateSpaceModel to_state_space(const PolynomialModel& model);
 
 // The state in which each input at 1 leaves the model at rest, (I - A)^-1 B: n x inputs; infinite when it integrates.

@@ -17,22 +17,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Columns are times, rows [Uf; Up; Yp; Yf], each of `i` blocks; experiments stand beside each other.
-MatrixXd hankel(const DataSet& data, Index i) {
+// Columns are times, rows [1; Uf; Up; Yp; Yf], each of `i` blocks and the ones only with an offset; experiments stand
+// beside each other.
+MatrixXd hankel(const DataSet& data, Index i, bool offset) {
   const auto m = static_cast<Index>(data.inputs.size());
   const auto l = static_cast<Index>(data.outputs.size());
   Index columns = 0;
   for (const Experiment& e : data.experiments) columns += std::max<Index>(0, e.samples() - 2 * i + 1);
   // Transposed: one row for each time, which is what QR wants.
-  MatrixXd H(columns, 2 * i * (m + l));
+  const Index one = offset ? 1 : 0;
+  MatrixXd H = MatrixXd::Ones(columns, one + 2 * i * (m + l));
   Index row = 0;
   for (const Experiment& e : data.experiments) {
     for (Index k = 0; k + 2 * i <= e.samples(); ++k, ++row) {
       for (Index b = 0; b < i; ++b) {
-        H.row(row).segment(b * m, m) = e.u.row(k + i + b);
-        H.row(row).segment((i + b) * m, m) = e.u.row(k + b);
-        H.row(row).segment(2 * i * m + b * l, l) = e.y.row(k + b);
-        H.row(row).segment(2 * i * m + (i + b) * l, l) = e.y.row(k + i + b);
+        H.row(row).segment(one + b * m, m) = e.u.row(k + i + b);
+        H.row(row).segment(one + (i + b) * m, m) = e.u.row(k + b);
+        H.row(row).segment(one + 2 * i * m + b * l, l) = e.y.row(k + b);
+        H.row(row).segment(one + 2 * i * m + (i + b) * l, l) = e.y.row(k + i + b);
       }
     }
   }
@@ -55,13 +57,14 @@ int order_of(const VectorXd& s, int highest) {
   return best;
 }
 
-// B, D and the first states are linear in the simulated output.
-void fit_inputs(StateSpaceModel& model, const DataSet& data, bool feedthrough) {
+// B, D, the outputs' offset and the first states are linear in the simulated output.
+void fit_inputs(StateSpaceModel& model, const DataSet& data, bool feedthrough, bool offset) {
   const Index n = model.order();
   const auto m = static_cast<Index>(data.inputs.size());
   const auto l = static_cast<Index>(data.outputs.size());
   const auto starts = static_cast<Index>(data.experiments.size());
-  const Index columns = n * m + (feedthrough ? l * m : 0) + n * starts;
+  const Index at_offset = n * m + (feedthrough ? l * m : 0);
+  const Index columns = at_offset + (offset ? l : 0) + n * starts;
   MatrixXd X = MatrixXd::Zero(data.samples() * l, columns);
   VectorXd y(X.rows());
   Index row = 0;
@@ -77,6 +80,7 @@ void fit_inputs(StateSpaceModel& model, const DataSet& data, bool feedthrough) {
           for (Index o = 0; o < l; ++o) X(row + o, n * m + j * l + o) = e.u(k, j);
         }
       }
+      if (offset) X.block(row, at_offset, l, l).setIdentity();
       X.block(row, columns - n * starts + n * which, l, n) = model.C * free;
       y.segment(row, l) = e.y.row(k).transpose();
       row += l;
@@ -90,6 +94,7 @@ void fit_inputs(StateSpaceModel& model, const DataSet& data, bool feedthrough) {
   model.B = fit.theta.head(n * m).reshaped(n, m);
   model.D = MatrixXd::Zero(l, m);
   if (feedthrough) model.D = fit.theta.segment(n * m, l * m).reshaped(l, m);
+  if (offset) model.y0 += fit.theta.segment(at_offset, l);
   for (Index i = 0; i < starts; ++i) model.x0.emplace_back(fit.theta.segment(columns - n * starts + n * i, n));
   model.fit.warnings.insert(model.fit.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   model.fit.reached = fit.sse / static_cast<double>(y.size());
@@ -128,7 +133,7 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   model.y0 = VectorXd::Zero(l);
   if (options.remove_means) remove_means(data, model);
 
-  MatrixXd H = hankel(data, i);
+  MatrixXd H = hankel(data, i, options.offset);
   if (H.rows() < H.cols()) {
     fail("{} block rows of {} signals need experiments with {} samples or more in all; take fewer block rows", i, m + l,
          H.cols() + 2 * i - 1);
@@ -137,7 +142,8 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   const MatrixXd R =
       Eigen::HouseholderQR<Eigen::Ref<MatrixXd>>(H).matrixQR().topRows(H.cols()).triangularView<Eigen::Upper>();
   // L = R': rows Yf, columns of [Up; Yp].
-  const MatrixXd L = R.block(i * m, i * (2 * m + l), i * (m + l), i * l).transpose();
+  const Index one = options.offset ? 1 : 0;
+  const MatrixXd L = R.block(one + i * m, one + i * (2 * m + l), i * (m + l), i * l).transpose();
   const Eigen::BDCSVD<MatrixXd> svd(L, Eigen::ComputeThinU);
   model.singular_values = svd.singularValues();
   control.step(0.6);
@@ -157,7 +163,8 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   model.fit.warnings = undetermined(given);
   model.fit.options.push_back(fmt::format("block_rows {}", i));
   if (options.remove_means) model.fit.options.emplace_back("remove_means");
-  fit_inputs(model, data, options.feedthrough);
+  if (options.offset) model.fit.options.emplace_back("offset");
+  fit_inputs(model, data, options.feedthrough, options.offset);
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
   control.step(1);
   return model;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "identify/linear/fit_linear.h"
 #include "identify/linear/least_squares.h"
@@ -24,11 +25,21 @@ using identify::Orders;
 using identify::PolynomialModel;
 
 // What all fits of polynomials understand beside their orders.
-const std::vector<std::string> common_keys{"delay", "output", "remove_means", "ridge", "iterations"};
+const std::vector<std::string> common_keys{"delay",   "output", "remove_means", "offset",
+                                           "initial", "ridge",  "iterations"};
+
+std::optional<identify::Initial> initial_of(const Options& o) {
+  const std::string initial = o.text("initial");
+  if (!o.has("initial")) return {};
+  if (initial != "rest" && initial != "estimate") o.wrong("initial", "rest or estimate");
+  return initial == "rest" ? identify::Initial::rest : identify::Initial::estimate;
+}
 
 LinearOptions linear_options(const Options& o) {
   return {.output = o.text("output"),
           .remove_means = o.flag("remove_means"),
+          .offset = o.flag("offset"),
+          .initial = initial_of(o),
           .ridge = o.number("ridge").value_or(0),
           .iterations = integer(o, "iterations", 200)};
 }
@@ -94,19 +105,21 @@ int instrumental(lua_State* L) {
 
 int state_space(lua_State* L) {
   const Options o(L, 2, "the options of state_space",
-                  {"order", "highest", "block_rows", "remove_means", "feedthrough"});
+                  {"order", "highest", "block_rows", "remove_means", "offset", "feedthrough"});
   identify::SubspaceOptions s;
   s.order = integer(o, "order", 0);
   s.highest = integer(o, "highest", s.highest);
   s.block_rows = integer(o, "block_rows", s.block_rows);
   s.remove_means = o.flag("remove_means");
+  s.offset = o.flag("offset");
   if (o.has("feedthrough")) s.feedthrough = o.flag("feedthrough");
   push_state_space(L, identify::fit_subspace(data_argument(L, 1), s, control_of(L)));
   return 1;
 }
 
 int order_table(lua_State* L) {
-  const Options o(L, 2, "the options of order_table", {"na", "nb", "delay", "output", "remove_means", "validation"});
+  const Options o(L, 2, "the options of order_table",
+                  {"na", "nb", "delay", "output", "remove_means", "offset", "validation"});
   const auto range = [&](const char* key, int& least, int& most) {
     const std::vector<int> ends = integers(L, o, key);
     if (ends.empty()) return;
@@ -120,7 +133,8 @@ int order_table(lua_State* L) {
   range("delay", r.delay_least, r.delay_most);
   const identify::DataSet* validation = nullptr;
   if (o.push("validation")) validation = &data_argument(L, -1);
-  const LinearOptions options{.output = o.text("output"), .remove_means = o.flag("remove_means")};
+  const LinearOptions options{
+      .output = o.text("output"), .remove_means = o.flag("remove_means"), .offset = o.flag("offset")};
   const identify::ArxTable table = identify::arx_table(data_argument(L, 1), r, options, validation, control_of(L));
   lua_newtable(L);
   lua_Integer place = 0;
@@ -157,11 +171,15 @@ int order_table(lua_State* L) {
 }
 
 int delay_table(lua_State* L) {
-  const Options o(L, 2, "the options of delay_table", {"order", "delay", "output", "remove_means"});
+  const Options o(L, 2, "the options of delay_table",
+                  {"order", "delay", "output", "remove_means", "offset", "initial"});
   std::vector<int> ends = integers(L, o, "delay");
   if (ends.empty()) ends = {0, 5};
   if (ends.size() != 2) throw ScriptError("'delay' is a range, {least, greatest}");
-  const LinearOptions options{.output = o.text("output"), .remove_means = o.flag("remove_means")};
+  const LinearOptions options{.output = o.text("output"),
+                              .remove_means = o.flag("remove_means"),
+                              .offset = o.flag("offset"),
+                              .initial = initial_of(o)};
   const auto table =
       identify::delay_table(data_argument(L, 1), integer(o, "order", 2), ends[0], ends[1], options, control_of(L));
   Eigen::VectorXd delay(static_cast<Index>(table.size()));
@@ -176,8 +194,9 @@ int delay_table(lua_State* L) {
 }
 
 int information_test(lua_State* L) {
-  const Options o(L, 2, "the options of information_test", {"highest", "delay", "output", "remove_means"});
-  const LinearOptions options{.output = o.text("output"), .remove_means = o.flag("remove_means")};
+  const Options o(L, 2, "the options of information_test", {"highest", "delay", "output", "remove_means", "offset"});
+  const LinearOptions options{
+      .output = o.text("output"), .remove_means = o.flag("remove_means"), .offset = o.flag("offset")};
   const identify::InformationTest test =
       identify::information_test(data_argument(L, 1), integer(o, "highest", 4), integer(o, "delay", 0), options);
   push_vector(L, test.determinants);
@@ -244,12 +263,14 @@ int simulate(lua_State* L) {
 
 int predict(lua_State* L) {
   const std::int64_t steps = is_given(L, 3) ? integer_argument(L, 3, "steps", 1, 1'000'000) : 1;
-  push_series(L, identify::k_step(self(L), data_argument(L, 2), static_cast<int>(steps)));
+  const Options o(L, 4, "the options of predict", {"initial"});
+  push_series(L, identify::k_step(self(L), data_argument(L, 2), static_cast<int>(steps), initial_of(o)));
   return 1;
 }
 
 int residuals(lua_State* L) {
-  push_series(L, identify::residuals(self(L), data_argument(L, 2)));
+  const Options o(L, 3, "the options of residuals", {"initial"});
+  push_series(L, identify::residuals(self(L), data_argument(L, 2), initial_of(o)));
   return 1;
 }
 
@@ -309,6 +330,15 @@ const std::vector<Field<PolynomialModel>>& fields() {
          for (Index i = 0; i < d.size(); ++i) d[i] = m.delay[static_cast<std::size_t>(i)];
          push_numbers(L, d);
        }},
+      {"offset", "number?", "the constant, where one was estimated",
+       [](lua_State* L, const M& m) {
+         if (!m.has_offset) return lua_pushnil(L);
+         lua_pushnumber(L, m.offset);
+       }},
+      {"level", "number", "of the output at rest, with the inputs at their operating point",
+       [](lua_State* L, const M& m) { lua_pushnumber(L, m.level()); }},
+      {"initial", "string", "how the past before a record is taken: rest or estimate",
+       [](lua_State* L, const M& m) { push_text(L, m.initial == identify::Initial::rest ? "rest" : "estimate"); }},
       {"structure", "string", "FIR, ARX, ARMAX, OE, BJ", [](lua_State* L, const M& m) { push_text(L, m.structure); }},
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.Ts); }},
       {"stable", "boolean", "all poles inside the unit circle",
@@ -323,7 +353,8 @@ const std::vector<Field<PolynomialModel>>& fields() {
 
 Entries identify_linear_functions() {
   const std::string_view rest =
-      "delay?: integer|integer[], output?: string, remove_means?: boolean, ridge?: number, iterations?: integer}";
+      "delay?: integer|integer[], output?: string, remove_means?: boolean, offset?: boolean, "
+      "initial?: \"rest\"|\"estimate\", ridge?: number, iterations?: integer}";
   static const std::string fir_options = fmt::format("data: pl.DataSet, options?: {{nb?: integer|integer[], {}", rest);
   static const std::string arx_options =
       fmt::format("data: pl.DataSet, options?: {{na?: integer, nb?: integer|integer[], {}", rest);
@@ -337,7 +368,8 @@ Entries identify_linear_functions() {
   static const std::string filtered_options =
       fmt::format("data: pl.DataSet, options?: {{na?: integer, nb?: integer|integer[], passes?: integer, {}", rest);
   return {
-      {"fir", guarded<fir>, fir_options, "pl.LinearModel", "y = q^-delay B u + v by least squares"},
+      {"fir", guarded<fir>, fir_options, "pl.LinearModel",
+       "y = q^-delay B u + v by least squares; `offset`, here and in all others, adds a constant"},
       {"arx", guarded<arx>, arx_options, "pl.LinearModel", "A y = q^-delay B u + v by least squares"},
       {"armax", guarded<armax>, armax_options, "pl.LinearModel",
        "A y = q^-delay B u + C v by the prediction error method"},
@@ -349,17 +381,19 @@ Entries identify_linear_functions() {
        "ARX by instrumental variables: unbiased with coloured noise"},
       {"state_space", guarded<state_space>,
        "data: pl.DataSet, options?: {order?: integer, highest?: integer, block_rows?: integer, remove_means?: boolean, "
-       "feedthrough?: boolean}",
+       "offset?: boolean, feedthrough?: boolean}",
        "pl.StateSpaceModel", "the subspace method PO-MOESP; the order from the singular values unless told"},
       {"order_table", guarded<order_table>,
        "data: pl.DataSet, options?: {na?: integer[], nb?: integer[], delay?: integer[], output?: string, "
-       "remove_means?: boolean, validation?: pl.DataSet}",
+       "remove_means?: boolean, offset?: boolean, validation?: pl.DataSet}",
        "table[]", "every ARX structure in the ranges with AIC, MDL, FPE and free-run error; .best names the least"},
       {"delay_table", guarded<delay_table>,
-       "data: pl.DataSet, options?: {order?: integer, delay?: integer[], output?: string, remove_means?: boolean}",
+       "data: pl.DataSet, options?: {order?: integer, delay?: integer[], output?: string, remove_means?: boolean, "
+       "offset?: boolean, initial?: \"rest\"|\"estimate\"}",
        "pl.Vector, pl.Vector", "delays, and the error of the output-error model of each"},
       {"information_test", guarded<information_test>,
-       "data: pl.DataSet, options?: {highest?: integer, delay?: integer, output?: string, remove_means?: boolean}",
+       "data: pl.DataSet, options?: {highest?: integer, delay?: integer, output?: string, remove_means?: boolean, "
+       "offset?: boolean}",
        "pl.Vector, integer", "det(Psi'Psi/N) for orders 1, 2, ..., and the order that it tells"},
       {"least_squares", guarded<least_squares>, "X: pl.Vector, y: pl.Vector, options?: {ridge?: number}", "table",
        "theta, covariance, deviations, residuals, sse, variance, rank, condition, warnings"},
@@ -374,9 +408,10 @@ Entries linear_model_methods() {
       {"simulate", guarded<simulate>,
        "data: pl.DataSet, options?: {start?: \"measured\"|\"estimated\"|\"zero\", samples?: integer}", "pl.Vector",
        "free run: the outputs are the model's own"},
-      {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer", "pl.Vector",
-       "the output that many steps after the last measured one"},
-      {"residuals", guarded<residuals>, "data: pl.DataSet", "pl.Vector", "measured less predicted one step ahead"},
+      {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer, options?: {initial?: \"rest\"|\"estimate\"}",
+       "pl.Vector", "the output that many steps after the last measured one"},
+      {"residuals", guarded<residuals>, "data: pl.DataSet, options?: {initial?: \"rest\"|\"estimate\"}", "pl.Vector",
+       "measured less predicted one step ahead"},
       {"response", guarded<response>, "w: pl.Vector, input?: integer", "table",
        "frequency response: w, magnitude, phase, deviation, phase_deviation"},
       {"state_space", guarded<convert>, "", "pl.StateSpaceModel", "the same in observer form"},

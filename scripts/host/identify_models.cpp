@@ -128,8 +128,14 @@ int predict_narx(lua_State* L) {
 
 int fit_narx_free_run(lua_State* L) {
   RegressionModel m = narx(L);
-  const std::int64_t iterations = is_given(L, 3) ? integer_argument(L, 3, "iterations", 1, 100'000) : 100;
-  identify::fit_free_run(m, data_argument(L, 2), static_cast<int>(iterations), control_of(L));
+  int iterations = 100;
+  if (lua_type(L, 3) == LUA_TNUMBER) {
+    iterations = static_cast<int>(integer_argument(L, 3, "iterations", 1, 100'000));
+  } else {
+    iterations = integer(Options(L, 3, "the options of fit_free_run", {"iterations"}), "iterations", iterations);
+    if (iterations < 1) throw ScriptError("'iterations' must be 1 or more");
+  }
+  identify::fit_free_run(m, data_argument(L, 2), iterations, control_of(L));
   push_regression_model(L, std::move(m));
   return 1;
 }
@@ -252,8 +258,8 @@ Entries regression_model_methods() {
        "free run: the outputs are the model's own, the first ones measured"},
       {"predict", guarded<predict_narx>, "data: pl.DataSet, steps?: integer", "pl.Vector",
        "the output that many steps after the last measured one"},
-      {"fit_free_run", guarded<fit_narx_free_run>, "data: pl.DataSet, iterations?: integer", "pl.RegressionModel",
-       "the same regressors fitted to the error of the free run"},
+      {"fit_free_run", guarded<fit_narx_free_run>, "data: pl.DataSet, options?: integer|{iterations?: integer}",
+       "pl.RegressionModel", "the same regressors fitted to the error of the free run"},
       {"save", guarded<save_narx>, "path: string", "string", "writes a model file, .yaml; gives the path"},
   };
 }

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "identify/gp/gp_map.h"
+#include "identify/linear/fit_linear.h"
 #include "identify/mlp/network.h"
 #include "identify/model_file/model_file.h"
 #include "identify/narx/load.h"
@@ -173,6 +174,28 @@ TEST(LinearModel, GivesTheFreeRunOfTheLibrary) {
   const Eigen::MatrixXd expected = identify::simulate(m, data, identify::StateStart::zero)[0];
   ASSERT_EQ(static_cast<Eigen::Index>(y.size()), expected.rows());
   for (std::size_t k = 0; k < y.size(); ++k) EXPECT_NEAR(y[k], expected(static_cast<Eigen::Index>(k), 1), 1e-12);
+}
+
+// y(k) - 7 = 0.8 (y(k-1) - 7) + 0.2 u(k-1): the offset 1.4 makes the level 7.
+TEST(LinearModel, RunsAnEstimatedConstant) {
+  Eigen::VectorXd u(40), y(40);
+  double state = -1;
+  for (Eigen::Index k = 0; k < 40; ++k) {
+    u[k] = k % 7 < 3 ? 1 : -0.5;
+    y[k] = 7 + state;
+    state = 0.8 * state + 0.2 * u[k];
+  }
+  const identify::PolynomialModel m =
+      identify::fit_linear(identify::make_data_set(u, y, 0.5), {.na = 1, .nb = {1}}, {.offset = true});
+  EXPECT_NEAR(m.offset, 1.4, 1e-12);
+  const std::string path = place("constant.yaml");
+  std::ofstream(path) << identify::to_yaml("linear_model", identify::to_item(m));
+  const std::vector<double> run_y =
+      run("blocks: {m: {type: linear_model, model: " + path + ", in: {u: 3}}}\nsimulation: {stop: 5}\nrecord: [m]\n")
+          .samples("m");
+  ASSERT_EQ(run_y.size(), 11U);
+  for (std::size_t k = 0; k < run_y.size(); ++k)
+    EXPECT_NEAR(run_y[k], 7 + 3 * (1 - std::pow(0.8, static_cast<double>(k))), 1e-10);
 }
 
 TEST(LinearModel, SaysWhichBlockRunsAModel) {

@@ -31,6 +31,45 @@ TEST_F(Identification, FitsArxAndOutputErrorModels) {
             "ARX -0.800000 0.500000 2.500000\nOE -0.800000 0.500000\n0.000000000");
 }
 
+// The record is cut out of a run about level 3; the true constant of the ARX model is 3 (1 - 0.8).
+TEST_F(Identification, EstimatesAConstantAndThePastOfTheRecord) {
+  EXPECT_EQ(
+      with_data(R"lua(
+      local cut = identify.data{u = data:part(100, 160).u, y = data:part(100, 160).y + 3, Ts = 0.1}
+      local arx = identify.arx(cut, {na = 1, nb = 1, offset = true})
+      print(("%.6f %.6f %s"):format(arx.offset, arx.level, arx.names[3]))
+      local oe = identify.oe(cut, {nb = 1, nf = 1, offset = true})
+      print(("%.6f %.6f %.6f %s"):format(oe.offset, oe.F[2], oe.B[1], oe.initial))
+      print(("%.6f"):format(identify.metrics(cut.y, oe:predict(cut)).max),
+            identify.metrics(cut.y, oe:predict(cut, 1, {initial = "rest"})).max > 0.1)
+      local rest = identify.oe(cut, {nb = 1, nf = 1, initial = "rest"})
+      print(rest.offset, rest.initial)
+      print(("%.6f"):format(identify.filtered(cut, {na = 1, nb = 1, offset = true}).offset))
+      oe:save "oe.yaml"
+      print(identify.load "oe.yaml":simulate(cut) == oe:simulate(cut))
+      local ss = identify.state_space(cut, {order = 1, block_rows = 5, offset = true})
+      print(("%.6f"):format(identify.metrics(cut.y, ss:simulate(cut)).max))
+      print(pcall(identify.oe, cut, {initial = "zero"})))lua"),
+      "0.600000 3.000000 offset\n3.000000 -0.800000 0.500000 estimate\n0.000000\ttrue\nnil\trest\n3.000000\ntrue\n"
+      "0.000000\nfalse\t'initial' must be rest or estimate, it is the text 'zero'");
+}
+
+TEST_F(Identification, FitsOfTheFreeRunListTheirOptions) {
+  EXPECT_EQ(
+      with_data(R"lua(
+      local mlp = identify.mlp(data, {regressors = "y(k-1), u(k-1)", hidden = {2}, starts = 1})
+      local linear = identify.regression(data, {regressors = "y(k-1), u(k-1)"})
+      print(select(2, pcall(mlp.prune, mlp, data, {tests = data})))
+      print(select(2, pcall(mlp.fit_free_run, mlp, data, {rounds = 3})))
+      print(select(2, pcall(linear.fit_free_run, linear, data, {rounds = 3})))
+      print(select(2, pcall(linear.fit_free_run, linear, data, {iterations = 0})))
+      print(("%.6f"):format(linear:fit_free_run(data, {iterations = 5}).theta[1])))lua"),
+      "the options of prune: there is no 'tests'; did you mean 'test'?  it has: test, decay, iterations, least\n"
+      "the options of fit_free_run: there is no 'rounds'; it has: iterations, decay, horizons, validation, patience\n"
+      "the options of fit_free_run: there is no 'rounds'; it has: iterations\n"
+      "'iterations' must be 1 or more\n0.800000");
+}
+
 TEST_F(Identification, EveryFitReports) {
   EXPECT_EQ(with_data(R"lua(
       local r = identify.arx(data, {na = 2, nb = 2}).report

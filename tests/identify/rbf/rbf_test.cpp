@@ -103,6 +103,37 @@ TEST(Ols, ChoosesAsBruteForceDoes) {
   EXPECT_EQ(selection.columns, chosen);
 }
 
+// Wide functions are nearly dependent; what is left of each must stay orthogonal to all that was chosen.
+TEST(Ols, ChoosesAsBruteForceDoesAmongNearlyDependentFunctions) {
+  const Index rows = 80, candidates = 25;
+  MatrixXd p(rows, candidates);
+  VectorXd d(rows);
+  for (Index k = 0; k < rows; ++k) {
+    const double x = static_cast<double>(k) / (rows - 1);
+    d[k] = std::sin(9 * x) + x * x;
+    for (Index c = 0; c < candidates; ++c) {
+      const double distance = x - static_cast<double>(c) / (candidates - 1);
+      p(k, c) = std::exp(-distance * distance / (2 * 0.15 * 0.15));
+    }
+  }
+  const OlsSelection selection = select_columns(p, d, 7);
+  ASSERT_EQ(selection.columns.size(), 7U);
+  std::vector<Index> chosen;
+  double before = d.squaredNorm();
+  for (std::size_t round = 0; round < 7; ++round) {
+    double least = HUGE_VAL;
+    for (Index c = 0; c < candidates; ++c) {
+      std::vector<Index> trial = chosen;
+      trial.push_back(c);
+      const MatrixXd columns = p(Eigen::all, trial);
+      least = std::min(least, (d - columns * columns.householderQr().solve(d)).squaredNorm());
+    }
+    EXPECT_NEAR(selection.ratios[round], (before - least) / d.squaredNorm(), 1e-12);
+    chosen.push_back(selection.columns[round]);
+    before = least;
+  }
+}
+
 TEST(Ols, StopsWhereNothingIsLeft) {
   MatrixXd p(4, 3);
   p << 1, 2, 0, 0, 0, 1, 1, 2, 0, 0, 0, 1;
