@@ -28,8 +28,8 @@ struct CsvResult {
 enum class MissingCells { refused, as_nan };
 
 // Reads a whole file. Cells are separated by commas, semicolons or tabs (what the first line holds). Numbers have a
-// decimal point or, where no comma separates, a decimal comma, all of them the same; blank lines and lines that begin with '#' are skipped; the first line is a header unless all its cells
-// are numbers.
+// decimal point or, where no comma separates, a decimal comma, all of them the same; blank lines and lines that begin
+// with '#' are skipped; the first line is a header unless all its cells are numbers.
 CsvResult read_csv(std::string_view text, MissingCells missing = MissingCells::refused);
 
 }  // namespace plantloop
