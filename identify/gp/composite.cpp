@@ -89,6 +89,25 @@ class Sum final : public Composite {
     });
     return all;
   }
+  Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix&, const Matrix& weight,
+                        Matrix* by_z) const override {
+    Vector all(theta.size());
+    if (by_z != nullptr) by_z->setZero(z.rows(), z.cols());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, Eigen::Index first) {
+      Matrix part;
+      all.segment(first, own.size()) = parts_[i]->cross_gradient(own, x, z, parts_[i]->between(own, x, z), weight,
+                                                                 by_z == nullptr ? nullptr : &part);
+      if (by_z != nullptr) *by_z += part;
+    });
+    return all;
+  }
+  Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const override {
+    Vector all(theta.size());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, Eigen::Index first) {
+      all.segment(first, own.size()) = parts_[i]->own_gradient(own, x, weight);
+    });
+    return all;
+  }
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
     Matrix total = Matrix::Zero(z.rows(), z.cols());
     each(theta, inputs(z),
@@ -166,6 +185,30 @@ class Product final : public Composite {
     });
     return all;
   }
+  Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix&, const Matrix& weight,
+                        Matrix* by_z) const override {
+    std::vector<Matrix> values;
+    each(theta, inputs(x),
+         [&](std::size_t i, const Vector& own, auto) { values.push_back(parts_[i]->between(own, x, z)); });
+    Vector all(theta.size());
+    if (by_z != nullptr) by_z->setZero(z.rows(), z.cols());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, Eigen::Index first) {
+      Matrix part;
+      all.segment(first, own.size()) =
+          parts_[i]->cross_gradient(own, x, z, values[i], others(weight, values, i), by_z == nullptr ? nullptr : &part);
+      if (by_z != nullptr) *by_z += part;
+    });
+    return all;
+  }
+  Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const override {
+    std::vector<Vector> values;
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, auto) { values.push_back(parts_[i]->at(own, x)); });
+    Vector all(theta.size());
+    each(theta, inputs(x), [&](std::size_t i, const Vector& own, Eigen::Index first) {
+      all.segment(first, own.size()) = parts_[i]->own_gradient(own, x, others(weight, values, i));
+    });
+    return all;
+  }
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
     std::vector<Vector> values;
     each(theta, inputs(z), [&](std::size_t i, const Vector& own, auto) {
@@ -225,6 +268,14 @@ class Product final : public Composite {
   }
 
  private:
+  // The weight with the values of the parts but i.
+  template <typename Values>
+  static Values others(Values weight, const std::vector<Values>& values, std::size_t i) {
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      if (j != i) weight.array() *= values[j].array();
+    }
+    return weight;
+  }
   static int inputs(const Matrix& x) { return static_cast<int>(x.cols()); }
   // The rule of products for [k, dk/dz'; dk/dx, d2k/dx dz'].
   static Matrix multiplied(const Matrix& a, const Matrix& b) {

@@ -39,6 +39,12 @@ class Covariance {
   // sum_ij weight_ij d k(x_i, x_j)/d log theta_p for each p. `weight` is symmetric; of it and of `values`, which is
   // lower(theta, x), only the lower triangles are read.
   virtual Vector gradient(const Vector& theta, const Matrix& x, const Matrix& values, const Matrix& weight) const = 0;
+  // sum_ij weight_ij d k(x_i, z_j)/d log theta_p for each p, where `values` is between(theta, x, z). Unless it is null,
+  // `by_z` (rows(z) x D) becomes sum_i weight_ij d k(x_i, z_j)/d z_j.
+  virtual Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix& values,
+                                const Matrix& weight, Matrix* by_z) const = 0;
+  // sum_i weight_i d k(x_i, x_i)/d log theta_p for each p.
+  virtual Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const = 0;
   // d k(x, z_j)/d x: rows(z) x D.
   virtual Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const = 0;
   // d^2 k(x, x)/dx dx' with the two arguments apart, at equal arguments: D x D; empty: the form has none.

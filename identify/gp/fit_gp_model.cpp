@@ -8,7 +8,7 @@
 #include "identify/error.h"
 #include "identify/gp/gp_file.h"
 #include "identify/gp/gp_map.h"
-#include "identify/gp/sparse.h"
+#include "identify/gp/inducing.h"
 
 namespace plantloop::identify {
 
@@ -62,7 +62,15 @@ GpMapFit fit_gp_map(const MatrixXd& X, const MatrixXd& Y, const GpModelOptions& 
   MatrixXd x = xs.normalised(X), y = ys.normalised(Y);
   GpMapFit fit;
   std::vector<std::string> warnings;
-  if (x.rows() > options.most) {
+  std::optional<SparseOptions> sparse = options.sparse;
+  if (sparse && !observations.empty())
+    fail("local models are observations that need every point of their own; a sparse process cannot take them");
+  if (sparse && sparse->inputs.size() > 0) {
+    if (sparse->inputs.cols() != X.cols())
+      fail("the inducing inputs have {} columns, the data {} inputs", sparse->inputs.cols(), X.cols());
+    sparse->inputs = xs.normalised(sparse->inputs);
+  }
+  if (!sparse && x.rows() > options.most) {
     const std::vector<Index> rows = spread_subset(x, options.most, options.process.seed);
     warnings.push_back(fmt::format("Of {} rows the {} most spread ones were taken.", x.rows(), options.most));
     x = x(rows, Eigen::all).eval();
@@ -74,15 +82,24 @@ GpMapFit fit_gp_map(const MatrixXd& X, const MatrixXd& Y, const GpModelOptions& 
                                             : normalised(observations[static_cast<std::size_t>(o)], xs, ys, o);
     GpOptions how = options.process;
     if (!options.given.empty()) how.start = options.given[options.given.size() > 1 ? static_cast<std::size_t>(o) : 0];
-    GpFit found = known.empty() ? fit_gp(x, y.col(o), how, control) : fit_with_slopes(x, y.col(o), known, how, control);
-    processes.push_back(std::make_shared<GaussianProcess>(std::move(found.model)));
-    if (o == 0) {
-      fit.report = std::move(found.report);
+    FitReport report;
+    if (sparse) {
+      SparseFit found = fit_sparse(x, y.col(o), how, *sparse, control);
+      processes.push_back(std::make_shared<SparseGaussianProcess>(std::move(found.model)));
+      report = std::move(found.report);
     } else {
-      for (const std::string& line : found.report.tried)
+      GpFit found =
+          known.empty() ? fit_gp(x, y.col(o), how, control) : fit_with_slopes(x, y.col(o), known, how, control);
+      processes.push_back(std::make_shared<GaussianProcess>(std::move(found.model)));
+      report = std::move(found.report);
+    }
+    if (o == 0) {
+      fit.report = std::move(report);
+    } else {
+      for (const std::string& line : report.tried)
         fit.report.tried.push_back(fmt::format("output {}, {}", o + 1, line));
-      fit.report.parameters += found.report.parameters;
-      fit.report.warnings.insert(fit.report.warnings.end(), found.report.warnings.begin(), found.report.warnings.end());
+      fit.report.parameters += report.parameters;
+      fit.report.warnings.insert(fit.report.warnings.end(), report.warnings.begin(), report.warnings.end());
     }
   }
   fit.report.warnings.insert(fit.report.warnings.end(), warnings.begin(), warnings.end());

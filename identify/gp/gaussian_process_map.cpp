@@ -7,6 +7,7 @@
 #include "identify/error.h"
 #include "identify/gp/gp_file.h"
 #include "identify/gp/gp_map.h"
+#include "identify/gp/sparse.h"
 
 namespace plantloop::identify {
 
@@ -144,6 +145,10 @@ std::shared_ptr<const GpMap> with_measurements(const GpMap& map, const MatrixXd&
   const MatrixXd x = map.x_scaling().normalised(X), y = map.y_scaling().normalised(Y);
   GpMap::Processes processes;
   for (std::size_t o = 0; o < map.processes().size(); ++o) {
+    if (const auto* sparse = dynamic_cast<const SparseGaussianProcess*>(map.processes()[o].get())) {
+      processes.push_back(std::make_shared<SparseGaussianProcess>(sparse->with(x, y.col(static_cast<Index>(o)))));
+      continue;
+    }
     const auto& old = dynamic_cast<const GaussianProcess&>(*map.processes()[o]);
     MatrixXd all_x(old.size() + x.rows(), old.x().cols());
     VectorXd all_y(all_x.rows());

@@ -9,6 +9,7 @@
 #include "identify/error.h"
 #include "identify/gp/gaussian_process.h"
 #include "identify/gp/slopes.h"
+#include "identify/gp/sparse.h"
 
 namespace plantloop::identify {
 
@@ -74,11 +75,45 @@ Hyperparameters read_hyperparameters(const Item& entry, const Covariance& covari
   return at;
 }
 
+void check_finite(const Item& entry, const char* key, bool is_finite) {
+  if (!is_finite) entry.at(key).wrong("each must be a finite number");
+}
+
+std::shared_ptr<const GpPosterior> read_sparse(const Item& entry, std::shared_ptr<const Covariance> covariance,
+                                               MeanFunction mean) {
+  entry.only({"covariance", "mean", "hyperparameters", "approximation", "samples", "log_likelihood", "jitter",
+              "mean_coefficients", "weights", "inducing", "precision"});
+  SparseGaussianProcess::Content c;
+  c.method = placed(entry.at("approximation"), [&] { return find_sparse_method(entry.text("approximation")); });
+  c.weights = entry.vector("weights");
+  const Index m = c.weights.size();
+  if (m == 0) entry.at("weights").wrong("there must be one for each inducing input, at least one");
+  c.inducing = entry.matrix("inducing", m);
+  if (c.inducing.cols() == 0) entry.at("inducing").wrong("a point needs at least one input");
+  c.precision = entry.matrix("precision", m, m);
+  check_finite(entry, "weights", c.weights.allFinite());
+  check_finite(entry, "inducing", c.inducing.allFinite());
+  check_finite(entry, "precision", c.precision.allFinite());
+  if (c.precision != c.precision.transpose()) entry.at("precision").wrong("the matrix must be symmetric");
+  c.jitter = entry.number("jitter");
+  if (!(c.jitter >= 0 && c.jitter < 1)) entry.at("jitter").wrong("it is a part of the covariances, from 0 to 1");
+  const Index coefficients = mean_basis(mean, c.inducing.topRows(1)).cols();
+  if (coefficients > 0) c.mean_coefficients = entry.vector("mean_coefficients", coefficients);
+  c.hyperparameters = read_hyperparameters(entry, *covariance, static_cast<int>(c.inducing.cols()));
+  c.samples = entry.integer("samples");
+  if (c.samples < 0) entry.at("samples").wrong("it must be 0 or more");
+  c.log_likelihood = entry.number("log_likelihood");
+  c.covariance = std::move(covariance);
+  c.mean = mean;
+  return placed(entry, [&] { return std::make_shared<SparseGaussianProcess>(std::move(c)); });
+}
+
 }  // namespace
 
 std::shared_ptr<const GpPosterior> read_process(const Item& entry) {
   auto covariance = placed(entry.at("covariance"), [&] { return find_covariance(entry.text("covariance")); });
   const MeanFunction mean = placed(entry.at("mean"), [&] { return find_mean_function(entry.text("mean")); });
+  if (entry.has("approximation")) return read_sparse(entry, covariance, mean);
   entry.only({"covariance", "mean", "hyperparameters", "slope_of", "noise", "targets", "points"});
   const VectorXd y = entry.vector("targets");
   MatrixXd x = entry.matrix("points", y.size());

@@ -4,11 +4,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "identify/approximator.h"
-#include "identify/gp/fit_gp.h"
+#include "identify/gp/fit_sparse.h"
 #include "identify/gp/propagate.h"
 #include "identify/gp/slopes.h"
 #include "identify/narx/narx.h"
@@ -69,6 +70,8 @@ struct GpModelOptions {
   bool normalise = true;
   // Of each output, or one for all: GpOptions::start, between normalised numbers.
   std::vector<Hyperparameters> given;
+  // All rows through inducing inputs, which `inputs` gives in the user's units; then `most` says nothing.
+  std::optional<SparseOptions> sparse;
 };
 
 // A process for each output. X: N x D, Y: N x outputs; `observations`: what else is known of each output, or none.

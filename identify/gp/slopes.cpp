@@ -90,6 +90,14 @@ class SlopeCovariance final : public Covariance {
     });
     return sums;
   }
+  // Sparse processes are of values alone.
+  Vector cross_gradient(const Vector&, const Matrix&, const Matrix&, const Matrix&, const Matrix&,
+                        Matrix*) const override {
+    fail("a sparse process cannot take observations of slopes");
+  }
+  Vector own_gradient(const Vector&, const Matrix&, const Vector&) const override {
+    fail("a sparse process cannot take observations of slopes");
+  }
   // At a value x.
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
     const std::vector<Index> v = values_of(z);

@@ -114,6 +114,39 @@ VectorXd Stationary::gradient(const VectorXd& theta, const MatrixXd& x, const Ma
   return sums;
 }
 
+VectorXd Stationary::cross_gradient(const VectorXd& theta, const MatrixXd& x, const MatrixXd& z, const MatrixXd& values,
+                                    const MatrixXd& weight, MatrixXd* by_z) const {
+  const Index n = x.rows(), d = x.cols();
+  const MatrixXd xs = scaled(theta, x), zs = scaled(theta, z);
+  const VectorXd own = theta.tail(theta.size() - d - 1), root = theta.head(d).cwiseSqrt();
+  const double v1 = theta[d];
+  VectorXd sums = VectorXd::Zero(theta.size());
+  ArrayXd s(n), f(n), m(n), away(n);
+  if (by_z != nullptr) by_z->resize(z.rows(), d);
+  for (Index j = 0; j < z.rows(); ++j) {
+    const auto w = weight.col(j).array();
+    f = values.col(j).array() / v1;
+    if (slope_reads_distance() || own.size() > 0) distances(xs, 0, zs.row(j), s);
+    sums[d] += weight.col(j).dot(values.col(j));
+    for (Index p = 0; p < own.size(); ++p) {
+      own_slope(own, static_cast<int>(p), s, f, m);
+      sums[d + 1 + p] += v1 * (w * m).sum();
+    }
+    slope(own, s, f, m);
+    m *= w;
+    for (Index c = 0; c < d; ++c) {
+      away = xs.col(c).array() - zs(j, c);
+      sums[c] += v1 * (m * away.square()).sum();
+      if (by_z != nullptr) (*by_z)(j, c) = -2 * v1 * root[c] * (m * away).sum();
+    }
+  }
+  return sums;
+}
+
+VectorXd Stationary::own_gradient(const VectorXd& theta, const MatrixXd& x, const VectorXd& weight) const {
+  return VectorXd::Unit(theta.size(), x.cols()) * theta[x.cols()] * weight.sum();
+}
+
 MatrixXd Stationary::input_gradient(const VectorXd& theta, const VectorXd& x, const MatrixXd& z) const {
   const Index d = z.cols();
   const MatrixXd zs = scaled(theta, z);

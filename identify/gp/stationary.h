@@ -21,6 +21,9 @@ class Stationary : public Covariance {
   Matrix lower(const Vector& theta, const Matrix& x) const final;
   Vector at(const Vector& theta, const Matrix& x) const final;
   Vector gradient(const Vector& theta, const Matrix& x, const Matrix& values, const Matrix& weight) const final;
+  Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix& values,
+                        const Matrix& weight, Matrix* by_z) const final;
+  Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const final;
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const final;
   Matrix slope_covariance(const Vector& theta, const Vector& x) const override;
   bool slopes(const Vector& theta, const Vector& x, const Vector& z, Matrix& block,

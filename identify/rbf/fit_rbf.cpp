@@ -8,7 +8,7 @@
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
 #include "identify/fit/training.h"
-#include "identify/gp/sparse.h"
+#include "identify/gp/inducing.h"
 #include "identify/linear/least_squares.h"
 #include "identify/rbf/rbf_network.h"
 

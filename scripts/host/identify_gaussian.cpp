@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "identify/gp/gp_map.h"
 #include "scripts/host/identify_models.h"
@@ -107,6 +108,34 @@ std::vector<Hyperparameters> given_hyperparameters(lua_State* L, const Options& 
   return list;
 }
 
+// Through inducing inputs: their number, or a matrix of them.
+std::optional<identify::SparseOptions> sparse_options(lua_State* L, const Options& o) {
+  const std::string approximation = o.text("approximation", "subset");
+  if (approximation != "subset" && approximation != "fitc" && approximation != "vfe")
+    o.wrong("approximation", "subset, fitc or vfe");
+  if (approximation == "subset") {
+    for (const char* key : {"inducing", "hold_inducing", "refined"}) {
+      if (o.has(key)) throw ScriptError(fmt::format("'{}' is for approximation = \"fitc\" or \"vfe\"", key));
+    }
+    return std::nullopt;
+  }
+  if (o.has("points"))
+    throw ScriptError("'points' is for approximation = \"subset\"; all rows are seen through the inducing inputs");
+  identify::SparseOptions s;
+  s.method = identify::find_sparse_method(approximation);
+  if (o.push("inducing")) {
+    if (lua_type(L, -1) == LUA_TNUMBER) {
+      s.inducing = integer(o, "inducing", s.inducing);
+    } else {
+      s.inputs = matrix_of(L, -1, "inducing");
+    }
+    lua_pop(L, 1);
+  }
+  s.hold = o.flag("hold_inducing");
+  s.refined = integer(o, "refined", s.refined);
+  return s;
+}
+
 int gaussian_process(lua_State* L) {
   const bool own_rows = test_object<Held<DataSet>>(L, 1, data_kind) == nullptr && is_given(L, 1);
   if (own_rows && test_array(L, 1) == nullptr && !lua_istable(L, 1))
@@ -114,7 +143,7 @@ int gaussian_process(lua_State* L) {
         fmt::format("'data' must be a data set, or X a matrix with y behind it; it is {}", describe(L, 1)));
   const Options o(L, own_rows ? 3 : 2, "the options of gaussian_process",
                   {"regressors", "covariance", "mean", "starts", "iterations", "points", "seed", "local_models",
-                   "hyperparameters", "normalise"});
+                   "hyperparameters", "normalise", "approximation", "inducing", "hold_inducing", "refined"});
   if (own_rows && o.has("regressors"))
     throw ScriptError("'regressors' are of a data set; here the columns of X are the regressors");
   if (own_rows && o.has("local_models"))
@@ -133,6 +162,7 @@ int gaussian_process(lua_State* L) {
   m.most = integer(o, "points", m.most);
   if (m.most < 1) o.wrong("points", "1 or more");
   m.normalise = o.has("normalise") ? o.flag("normalise") : m.given.empty();
+  m.sparse = sparse_options(L, o);
   push_learned_model(L, identify::fit_narx_gp(data, set, m, control_of(L), local_models_of(L, o)));
   return 1;
 }
@@ -179,14 +209,27 @@ int log_likelihood(lua_State* L) {
 // A likelihood with its gradient, and the matrix behind leave-one-out, need the cube of the points.
 void count_cube(lua_State* L, const GpMap& map) {
   const auto points = static_cast<double>(map.process(0).x().rows());
-  session_of(L).sandbox.work(L, points * points * points / 10);
+  session_of(L).sandbox.work(L, points * points * static_cast<double>(map.process(0).samples()) / 10);
 }
 
 int gradient(lua_State* L) {
   const GpMap& map = gp_self(L, "has a likelihood");
   count_cube(L, map);
   const Index output = output_of(L, 2, map);
-  push_named(L, map.process(output), map.likelihood(output).gradient);
+  const identify::Likelihood found = map.likelihood(output);
+  push_named(L, map.process(output), found.gradient);
+  if (found.by_inducing.size() == 0) return 1;
+  push_matrix(L, found.by_inducing);
+  return 2;
+}
+
+int inducing(lua_State* L) {
+  const GpMap& map = gp_self(L, "has inducing inputs");
+  const identify::GpPosterior& process = map.process(output_of(L, 2, map));
+  if (!process.is_sparse())
+    throw ScriptError(
+        "this process knows its points themselves; approximation = \"fitc\" or \"vfe\" has inducing inputs");
+  push_matrix(L, map.x_scaling().original(process.x()));
   return 1;
 }
 
@@ -250,12 +293,18 @@ Entries gaussian_process_functions() {
       {"gaussian_process", guarded<gaussian_process>,
        "data: pl.DataSet|pl.Vector, options: {regressors: string, covariance?: string, mean?: "
        "\"zero\"|\"constant\"|\"linear\", starts?: integer, iterations?: integer, points?: integer, seed?: integer, "
-       "local_models?: pl.LinearModel|pl.LinearModel[], hyperparameters?: table, normalise?: boolean}",
+       "local_models?: pl.LinearModel|pl.LinearModel[], hyperparameters?: table, normalise?: boolean, "
+       "approximation?: \"subset\"|\"fitc\"|\"vfe\", inducing?: integer|pl.Vector, hold_inducing?: boolean, refined?: "
+       "integer}",
        "pl.LearnedModel",
        "a Gaussian process by maximum likelihood, for each output; from more rows than `points` the most spread ones "
        "are taken; local_models: linear models at operating points, whose values at rest and slopes are observed too; "
        "hyperparameters: {w1 = 1, v1 = 1, v0 = 0.01}, kept as they are unless `iterations` are given, and the data not "
-       "normalised unless `normalise` is true; gaussian_process(X, y, options): of rows of your own"},
+       "normalised unless `normalise` is true; approximation: fitc and vfe see all rows through `inducing` inputs, "
+       "their "
+       "number or a matrix of them, trained too unless held, from the `refined` best optima of an exact process of "
+       "some rows; "
+       "gaussian_process(X, y, options): of rows of your own"},
   };
 }
 
@@ -265,8 +314,11 @@ Entries gaussian_process_methods() {
        "of a Gaussian process, by their names; v0 is the variance of the noise"},
       {"log_likelihood", guarded<log_likelihood>, "output?: integer", "number",
        "log p(y | X) of a Gaussian process at its hyperparameters, of the targets in their units"},
-      {"gradient", guarded<gradient>, "output?: integer", "table<string, number>",
-       "of the log likelihood by the logarithm of each hyperparameter"},
+      {"gradient", guarded<gradient>, "output?: integer", "table<string, number>, pl.Vector?",
+       "of the log likelihood by the logarithm of each hyperparameter; of a sparse process also by its inducing "
+       "inputs"},
+      {"inducing", guarded<inducing>, "output?: integer", "pl.Vector",
+       "the inducing inputs of a sparse Gaussian process, a row of regressors each"},
       {"leave_one_out", guarded<leave_one_out>, "output?: integer", "table",
        "each target of a Gaussian process predicted from the others: mean, variance (with noise), log_density, and "
        "their "

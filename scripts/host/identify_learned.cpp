@@ -300,8 +300,12 @@ void push_learned_model(lua_State* L, NarxModel model) {
   // About what its file needs; a Gaussian process holds a factor too.
   std::size_t bytes = 4000;
   if (const auto* gp = dynamic_cast<const identify::GpMap*>(model.map.get())) {
-    for (const auto& process : gp->processes())
+    for (const auto& process : gp->processes()) {
       bytes += sizeof(double) * static_cast<std::size_t>(process->factor().size() + process->x().size());
+      if (process->is_sparse())
+        bytes += sizeof(double) *
+                 static_cast<std::size_t>(2 * process->inner().size() + process->samples() * (process->inputs() + 1));
+    }
   }
   push_held(L, learned_kind, std::move(model), bytes);
 }

@@ -40,6 +40,23 @@ class Linear final : public Covariance {
     sums[d] = theta[d] * (w * Vector::Ones(x.rows())).sum();
     return sums;
   }
+  Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix&, const Matrix& weight,
+                        Matrix* by_z) const override {
+    const Eigen::Index d = x.cols();
+    const Matrix wx = weight.transpose() * x;
+    Vector sums(d + 1);
+    for (Eigen::Index c = 0; c < d; ++c) sums[c] = theta[c] * z.col(c).dot(wx.col(c));
+    sums[d] = theta[d] * weight.sum();
+    if (by_z != nullptr) *by_z = wx * theta.head(d).asDiagonal();
+    return sums;
+  }
+  Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const override {
+    const Eigen::Index d = x.cols();
+    Vector sums(d + 1);
+    sums.head(d) = theta.head(d).cwiseProduct(x.cwiseAbs2().transpose() * weight);
+    sums[d] = theta[d] * weight.sum();
+    return sums;
+  }
   Matrix input_gradient(const Vector& theta, const Vector&, const Matrix& z) const override {
     return z * theta.head(z.cols()).asDiagonal();
   }

@@ -64,6 +64,39 @@ class NeuralNetwork final : public Covariance {
     sums[d] = theta[d] * ((full * Vector::Ones(n)).sum() - shrink.sum());
     return sums;
   }
+  // With the argument z = 2 p(x, x')/(r r'), r^2 = 1 + 2 p(x, x):
+  //   dz/d log a_c = a_c (2 x_c x'_c/(r r') - z x_c^2/r^2 - z x'_c^2/r'^2),  dz/dx'_c = 2 a_c (x_c/(r r') - z
+  //   x'_c/r'^2).
+  Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix& values,
+                        const Matrix& weight, Matrix* by_z) const override {
+    const Eigen::Index d = x.cols();
+    const Vector left = 1 + 2 * own(theta, x), right = 1 + 2 * own(theta, z);  // r^2
+    const Matrix argument = ratio(theta, x, z);
+    Matrix by = two_over_pi * theta[d + 1] * (weight.array() / (1 - argument.array().square()).sqrt()).matrix();
+    const Matrix shrink = by.cwiseProduct(argument);
+    const Vector shrink_left = shrink.rowwise().sum().cwiseQuotient(left);
+    const Vector shrink_right = shrink.colwise().sum().transpose().cwiseQuotient(right);
+    by = 2 * (left.cwiseSqrt().cwiseInverse().asDiagonal() * by * right.cwiseSqrt().cwiseInverse().asDiagonal());
+    const Matrix bx = by.transpose() * x;
+    Vector sums(d + 2);
+    for (Eigen::Index c = 0; c < d; ++c)
+      sums[c] = theta[c] * (z.col(c).dot(bx.col(c)) - shrink_left.dot(x.col(c).cwiseAbs2()) -
+                            shrink_right.dot(z.col(c).cwiseAbs2()));
+    sums[d] = theta[d] * (by.sum() - shrink_left.sum() - shrink_right.sum());
+    sums[d + 1] = weight.cwiseProduct(values).sum();
+    if (by_z != nullptr) *by_z = (bx - 2 * shrink_right.asDiagonal() * z) * theta.head(d).asDiagonal();
+    return sums;
+  }
+  Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const override {
+    const Eigen::Index d = x.cols();
+    const Eigen::ArrayXd p = own(theta, x), z = 2 * p / (1 + 2 * p);
+    const Vector by = two_over_pi * theta[d + 1] * weight.array() * 2 / (1 + 2 * p).square() / (1 - z.square()).sqrt();
+    Vector sums(d + 2);
+    sums.head(d) = theta.head(d).cwiseProduct(x.cwiseAbs2().transpose() * by);
+    sums[d] = theta[d] * by.sum();
+    sums[d + 1] = weight.dot(at(theta, x));
+    return sums;
+  }
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
     const Eigen::Index d = z.cols();
     const Vector a = theta.head(d);

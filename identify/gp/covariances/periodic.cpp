@@ -56,6 +56,27 @@ class Periodic final : public Covariance {
     }
     return sums;
   }
+  Vector cross_gradient(const Vector& theta, const Matrix& x, const Matrix& z, const Matrix& values,
+                        const Matrix& weight, Matrix* by_z) const override {
+    const Eigen::Index d = x.cols();
+    Vector sums = Vector::Zero(theta.size());
+    if (by_z != nullptr) by_z->resize(z.rows(), d);
+    for (Eigen::Index j = 0; j < z.rows(); ++j) {
+      const Eigen::ArrayXd m = weight.col(j).array() * values.col(j).array();
+      sums[2 * d] += m.sum();
+      for (Eigen::Index c = 0; c < d; ++c) {
+        const double w = theta[c], period = theta[d + c];
+        const Eigen::ArrayXd angle = pi / period * (x.col(c).array() - z(j, c)), twice = (2 * angle).sin();
+        sums[c] -= 2 * w * (m * angle.sin().square()).sum();
+        sums[d + c] += 2 * w * (m * angle * twice).sum();
+        if (by_z != nullptr) (*by_z)(j, c) = 2 * w * pi / period * (m * twice).sum();
+      }
+    }
+    return sums;
+  }
+  Vector own_gradient(const Vector& theta, const Matrix& x, const Vector& weight) const override {
+    return Vector::Unit(theta.size(), 2 * x.cols()) * theta[2 * x.cols()] * weight.sum();
+  }
   Matrix input_gradient(const Vector& theta, const Vector& x, const Matrix& z) const override {
     const Eigen::Index d = z.cols();
     const Eigen::ArrayXd k = column(theta, z, 0, x.transpose());

@@ -65,6 +65,40 @@ TEST_P(EveryCovariance, HasTheGradientOfItsHyperparameters) {
   }
 }
 
+TEST_P(EveryCovariance, HasTheGradientsBetweenTwoSetsOfPoints) {
+  const MatrixXd weight = random_points(12, 7, 5);
+  MatrixXd by_z;
+  const VectorXd gradient = form->cross_gradient(theta, x, z, form->between(theta, x, z), weight, &by_z);
+  EXPECT_EQ(form->cross_gradient(theta, x, z, form->between(theta, x, z), weight, nullptr), gradient);
+  const VectorXd own_weight = random_points(12, 1, 6), own = form->own_gradient(theta, x, own_weight);
+  ASSERT_EQ(gradient.size(), theta.size());
+  ASSERT_EQ(own.size(), theta.size());
+  const double h = 1e-3;
+  const auto difference = [h](const auto& at) { return (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h); };
+  const double scale = std::max({1.0, gradient.cwiseAbs().maxCoeff(), own.cwiseAbs().maxCoeff()});
+  for (Index p = 0; p < theta.size(); ++p) {
+    const auto moved = [&](double step) {
+      VectorXd there = theta;
+      there[p] *= std::exp(step);
+      return there;
+    };
+    EXPECT_NEAR(gradient[p],
+                difference([&](double s) { return weight.cwiseProduct(form->between(moved(s), x, z)).sum(); }),
+                1e-8 * scale);
+    EXPECT_NEAR(own[p], difference([&](double s) { return own_weight.dot(form->at(moved(s), x)); }), 1e-8 * scale);
+  }
+  for (Index j = 0; j < z.rows(); ++j) {
+    for (Index d = 0; d < 3; ++d) {
+      const auto at = [&](double step) {
+        MatrixXd there = z;
+        there(j, d) += step;
+        return weight.cwiseProduct(form->between(theta, x, there)).sum();
+      };
+      EXPECT_NEAR(by_z(j, d), difference(at), 1e-8 * std::max(1.0, by_z.cwiseAbs().maxCoeff()));
+    }
+  }
+}
+
 TEST_P(EveryCovariance, ReadsOnlyTheLowerTriangleOfAWeight) {
   MatrixXd weight = random_points(12, 12, 5);
   weight = (weight + weight.transpose()).eval();

@@ -9,6 +9,8 @@
 #include <set>
 
 #include "identify/error.h"
+#include "identify/gp/gaussian_process.h"
+#include "identify/gp/inducing.h"
 #include "tests/identify/gp/fixture.h"
 
 namespace plantloop::identify {
@@ -30,7 +32,7 @@ TEST(Sparse, WithAllInputsInducingIsTheFullProcess) {
   const MatrixXd x = data.x.topRows(60);
   const VectorXd y = data.y.head(60);
   const GaussianProcess full(data.form, MeanFunction::zero, data.at, x, y);
-  const SparseGaussianProcess sparse(data.form, data.at, x, y, x);
+  const SparseGaussianProcess sparse(SparseMethod::fitc, data.form, MeanFunction::zero, data.at, x, y, x);
   const MatrixXd probe = random_points(30, 2, 94);
   EXPECT_LT((full.predict(probe).mean - sparse.predict(probe).mean).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT((full.predict(probe).variance - sparse.predict(probe).variance).cwiseAbs().maxCoeff(), 1e-6);
@@ -41,7 +43,7 @@ TEST(Sparse, WithAllInputsInducingIsTheFullProcess) {
 TEST(Sparse, AgreesWithTheExplicitFormulas) {
   const Data data;
   const MatrixXd u = data.x(spread_subset(data.x, 12), Eigen::all);
-  const SparseGaussianProcess sparse(data.form, data.at, data.x, data.y, u);
+  const SparseGaussianProcess sparse(SparseMethod::fitc, data.form, MeanFunction::zero, data.at, data.x, data.y, u);
   MatrixXd kuu = data.form->between(data.at.theta, u, u);
   kuu.diagonal().array() += 1e-10 * kuu.diagonal().mean();
   const MatrixXd kuf = data.form->between(data.at.theta, u, data.x);
@@ -60,7 +62,8 @@ TEST(Sparse, AgreesWithTheExplicitFormulas) {
 
 TEST(Sparse, WithFewInducingInputsIsNearlyAsGoodOnASmoothFunction) {
   const Data data;
-  const SparseGaussianProcess sparse(data.form, data.at, data.x, data.y, data.x(spread_subset(data.x, 60), Eigen::all));
+  const SparseGaussianProcess sparse(SparseMethod::fitc, data.form, MeanFunction::zero, data.at, data.x, data.y,
+                                     data.x(spread_subset(data.x, 60), Eigen::all));
   const MatrixXd probe = random_points(200, 2, 96);
   const VectorXd error = sparse.predict(probe).mean - first_order_targets(probe, 0, 0);
   EXPECT_LT(std::sqrt(error.squaredNorm() / 200), 0.04);  // below the noise of 0.05
