@@ -44,6 +44,11 @@ bool report_model(Checking& checking, const Text& file, std::string_view type) {
     checking.problem(file, fmt::format("'{}' holds a linear model; the block linear_model runs it", path));
     return false;
   }
+  if (model->neural) {
+    checking.problem(file,
+                     fmt::format("'{}' holds a neural state-space model; the block neural_state_space runs it", path));
+    return false;
+  }
   if (type.empty() || model->map->type() == type) return true;
   checking.problem(
       file, fmt::format("'{}' holds a model of type '{}'; a block of that type runs it", path, model->map->type()));

@@ -50,6 +50,9 @@ expect: [{signal: model, at: 10, value: 1.2, abs: 1e-3}]
     if (path.empty()) return;  // reported where the file is named
     const auto loaded = identify::load_model(path);
     if (!loaded->error.empty()) return checking.problem(model, loaded->error);
+    if (loaded->neural)
+      return checking.problem(
+          model, fmt::format("'{}' holds a neural state-space model; the block neural_state_space runs it", path));
     if (!loaded->linear)
       return checking.problem(
           model, fmt::format("'{}' holds a model of type '{}', which is not linear; {} runs it", path,

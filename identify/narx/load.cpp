@@ -29,6 +29,8 @@ LoadedModel read(const std::string& path, const std::string& bytes) {
       model.linear = std::make_shared<StateSpaceModel>(to_state_space(polynomial_model_of(item)));
     } else if (type == "state_space_model") {
       model.linear = std::make_shared<StateSpaceModel>(state_space_of(item));
+    } else if (type == "neural_state_space") {
+      model.neural = std::make_shared<NeuralStateSpace>(neural_state_space_of(item));
     } else if (type == "regression_model") {
       model.narx = to_narx(regression_model_of(item));
       model.map = model.narx.map;

@@ -7,6 +7,7 @@
 
 #include "identify/linear/state_space.h"
 #include "identify/narx/narx.h"
+#include "identify/neural_state_space/neural_state_space.h"
 
 namespace plantloop::identify {
 
@@ -21,6 +22,8 @@ struct LoadedModel {
   // Of a file with a linear model instead, of polynomials or of matrices; `map` is null then. Polynomials become the
   // observer companion form.
   std::shared_ptr<const StateSpaceModel> linear;
+  // Of a file with a neural state-space model instead; `map` is null then.
+  std::shared_ptr<const NeuralStateSpace> neural;
 };
 
 // The last files with their content are kept, as a large Gaussian process takes long to prepare; a file that changed is

@@ -99,7 +99,9 @@ class Runner {
       order.emplace_back(std::isfinite(own) ? own : std::numeric_limits<double>::infinity(), i);
     }
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    order.resize(std::min<std::size_t>(order.size(), 2 + static_cast<std::size_t>(count) / 20));
+    // The fewer samples there are, the more of the guesses are followed.
+    const auto followed = static_cast<std::size_t>(2 + 10 * count / std::max<Index>(few, 20));
+    order.resize(std::min(order.size(), followed));
     VectorXd best = VectorXd::Zero(n_);
     double least = std::numeric_limits<double>::infinity();
     for (const auto& [value, i] : order) {
@@ -255,10 +257,20 @@ NeuralStateSpace neural_state_space_of(const Item& item) {
   m.output = map_of(item, "output");
   if (item.integer("order") != m.order())
     item.at("order").wrong(fmt::format("the transition has {} states, not {}", m.order(), item.integer("order")));
-  for (const double d : item.vector("delay")) m.delay.push_back(static_cast<int>(d));
-  m.deviations = item.vector("deviations");
-  const MatrixXd starts = item.matrix("x0", -1, m.order());
-  for (Index i = 0; i < starts.rows(); ++i) m.x0.emplace_back(starts.row(i).transpose());
+  // Files made by hand may leave these out.
+  m.delay.assign(m.inputs.size(), 0);
+  if (item.has("delay")) {
+    m.delay.clear();
+    for (const double d : item.vector("delay")) {
+      if (!(d >= 0 && d <= 1e6) || d != std::floor(d)) item.at("delay").wrong("a delay is a number of samples, 0 or more");
+      m.delay.push_back(static_cast<int>(d));
+    }
+  }
+  m.deviations = item.has("deviations") ? item.vector("deviations") : VectorXd(0.01 * m.output->y_scaling().scale);
+  if (item.has("x0")) {
+    const MatrixXd starts = item.matrix("x0", -1, m.order());
+    for (Index i = 0; i < starts.rows(); ++i) m.x0.emplace_back(starts.row(i).transpose());
+  }
   if (item.has("fit")) m.fit = fit_report_of(item.at("fit"));
   try {
     check(m);

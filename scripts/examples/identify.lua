@@ -25,11 +25,11 @@
 local pl = require "plantloop"
 local identify = pl.identify
 
-local files, options, columns, given_name = {}, {effort = 1, train = 1, skip = 20, seed = 1}, {}, nil
+local files, options, columns, given_name, test_file = {}, {effort = 1, train = 1, skip = 20, seed = 1}, {}, nil, nil
 for _, word in ipairs(arg) do
   local key, value = word:match("^(%w+)=(.+)$")
-  if key == "test" and value:match("%.csv$") then
-    files[2] = value
+  if key == "test" then
+    test_file = value
   elseif key == "inputs" or key == "outputs" then
     columns[key] = {}
     for column in value:gmatch("[^,]+") do table.insert(columns[key], column) end
@@ -40,12 +40,16 @@ for _, word in ipairs(arg) do
       error(("'%s' is no option; there are effort=, train=, skip=, seed= and Ts= with a number, test= with a CSV file, inputs= and outputs= with names of columns"):format(word), 0)
     end
     options[key] = tonumber(value)
-  elseif word:match("%.csv$") then
-    files[files[1] and 2 or 1] = word
+  elseif word:find(".", 1, true) then
+    files[#files + 1] = word
   else
     given_name = word
   end
 end
+if test_file then files[#files + 1] = test_file end
+if #files > 2 then error(("there are %d files; there is one to identify from and one to test with"):format(#files), 0) end
+if not (options.effort > 0) then error(("effort=%g: it is greater than 0"):format(options.effort), 0) end
+if not (options.skip >= 0) then error(("skip=%g: a number of samples, 0 or more"):format(options.skip), 0) end
 local effort, seed = options.effort, math.floor(options.seed)
 
 -- A tank whose outflow goes with the root of its level, when no file is given.
@@ -66,6 +70,16 @@ local function read(path)
   if reason:find("no column 'time'", 1, true) then reason = reason .. ", as in Ts=0.1" end
   if reason:find("say which columns", 1, true) then reason = reason .. ", as in inputs=flow,valve outputs=level" end
   error(reason, 0)
+end
+
+-- Of data with filled gaps: the same with the gaps, by which models are judged.
+local as_measured = setmetatable({}, {__mode = "k"})
+
+-- A part of an experiment, and the same of what was measured of it.
+local function part_of(data, first, last)
+  local part, measured = data:part(first, last), as_measured[data]
+  if measured then as_measured[part] = measured:part(first, last) end
+  return part
 end
 
 -- Of each experiment the part in which everything is measured from its first sample to its last, gaps inside filled.
@@ -91,18 +105,29 @@ local function filled(data)
   if cut_off > 0 then print(("  %d samples at the ends of the record, where a signal has no values yet or any more, are left out"):format(cut_off)) end
   data = #parts == 1 and parts[1] or identify.join(table.unpack(parts))
   if data.missing == 0 then return data end
-  print(("  %d missing values inside of the record are filled with straight lines"):format(data.missing))
-  return data:fill("line")
+  print(("  %d missing values inside of the record are filled with straight lines to identify from; no model is judged by them"):format(data.missing))
+  local whole = data:fill("line")
+  as_measured[whole] = data
+  return whole
 end
 
-local name = given_name or (files[1] and files[1]:match("([^/]+)%.csv$")) or "tank"
+local name = given_name or (files[1] and files[1]:match("([^/]+)%.[^./]+$")) or "tank"
 if not files[1] then effort = math.min(effort, 0.02) end
 local all = files[1] and read(files[1]) or made_up()
 print("The data")
 for _, line in ipairs(all:advice()) do print("  " .. line) end
 all = filled(all)
 local test
-if files[2] then test = filled(read(files[2])) end
+if files[2] then
+  test = filled(read(files[2]))
+  if math.abs(test.Ts - all.Ts) > 1e-9 * all.Ts then
+    error(("the test has a sample each %g s, the data each %g s; resample one of them"):format(test.Ts, all.Ts), 0)
+  end
+  for _, names in ipairs{"inputs", "outputs"} do
+    local have, given = table.concat(all[names], ", "), table.concat(test[names], ", ")
+    if have ~= given then error(("the %s of the test are '%s', those of the data '%s'"):format(names, given, have), 0) end
+  end
+end
 if options.train ~= 1 then
   local share = options.train < 1 and options.train or options.train / all.samples
   if not (share > 0 and share < 1) then
@@ -111,9 +136,11 @@ if options.train ~= 1 then
   if options.train > 1 and all.experiments > 1 then error("train= takes a share when the record has several experiments", 0) end
   local rest
   if options.train < 1 then
-    all, rest = all:split(share)
+    local first, last = all:split(share)
+    if as_measured[all] then as_measured[first], as_measured[last] = as_measured[all]:split(share) end
+    all, rest = first, last
   else
-    all, rest = all:part(1, math.floor(options.train)), all:part(math.floor(options.train) + 1, all.samples)
+    all, rest = part_of(all, 1, math.floor(options.train)), part_of(all, math.floor(options.train) + 1, all.samples)
   end
   test = test or rest
 end
@@ -123,8 +150,11 @@ local function experiments_of(data, output)
   local parts = {}
   for i = 1, data.experiments do
     local e = data:experiment(i)
-    parts[i] = identify.data{u = e.u, y = e:column(data.outputs[output]), Ts = data.Ts, inputs = data.inputs,
-                             outputs = {data.outputs[output]}}
+    local function of(y)
+      return identify.data{u = e.u, y = y:column(data.outputs[output]), Ts = data.Ts, inputs = data.inputs, outputs = {data.outputs[output]}}
+    end
+    parts[i] = of(e)
+    if as_measured[data] then as_measured[parts[i]] = of(as_measured[data]:experiment(i)) end
   end
   return parts
 end
@@ -137,7 +167,7 @@ local function cut(parts, shares)
   for _, part in ipairs(parts) do
     for _, share in ipairs(shares) do
       local first, last = math.floor(share[1] * part.samples) + 1, math.floor(share[2] * part.samples)
-      if last - first >= 10 then result[#result + 1] = part:part(first, last) end
+      if last - first >= 10 then result[#result + 1] = part_of(part, first, last) end
     end
   end
   return result
@@ -174,6 +204,16 @@ local function free_run(model, part)
   return model:simulate(part, {start = "estimated", samples = math.max(scored_from, 10)})
 end
 
+-- What was measured from a sample on, and the free run there; both without the samples that were not.
+local function known(part, first, run)
+  local y = (as_measured[part] or part).y
+  local a, b = {}, {}
+  for k = first, part.samples do
+    if y[k] == y[k] then a[#a + 1], b[#b + 1] = y[k], run[k] end
+  end
+  return pl.vector(a), pl.vector(b)
+end
+
 -- Root of the mean square of the free run's error over experiments, the first samples of each not scored; the fit in %; and
 -- the mean squares of pieces of them.
 local function judge(model, parts)
@@ -182,7 +222,7 @@ local function judge(model, parts)
     local ok, y = pcall(free_run, model, part)
     if not ok then return math.huge, -math.huge, {} end
     local skip = math.min(scored_from, part.samples // 4)
-    local measured, run = part.y:slice(skip + 1, part.samples), y:slice(skip + 1, part.samples)
+    local measured, run = known(part, skip + 1, y)
     local m = identify.metrics(measured, run)
     square, count = square + m.SE * #measured, count + #measured
     total, sum = total + pl.sum(measured * measured), sum + pl.sum(measured)
@@ -257,7 +297,7 @@ local function identify_output(output)
   print(("  %-62s %12s %12s"):format("structure, and the RMSE of its free run", "identified", "held back"))
 
   -- Linear: orders and delay by a table of ARX structures, then output error around the best.
-  local highest = samples > 600 and 6 or 3
+  local highest = samples >= 250 and 6 or 3
   local delay, order, best_arx = 0, 2, {}
   -- How many samples later than `delay` each input begins to act.
   local later = {}
@@ -326,7 +366,8 @@ local function identify_output(output)
       end
     end
     local best_oe
-    for _, d in ipairs(delay >= 0 and {delay, delay - 1} or {delay, 0}) do
+    local ds = delay > 1 and {delay, delay - 1, 0} or delay >= 0 and {delay, delay - 1} or {delay, 0}
+    for _, d in ipairs(ds) do
       for nf = 1, highest > 3 and 6 or 4 do
         local c = try("output error", ("output error nb %d nf %d delay %d"):format(nf, nf, d), rows * nf * 2e-5,
             function(x) return identify.oe(x, {nb = nf, nf = nf, delay = delays(d), remove_means = true, iterations = 60}) end)
@@ -335,10 +376,15 @@ local function identify_output(output)
     end
     try("Box-Jenkins", ("Box-Jenkins nb %d nc 1 nd 2 nf %d delay %d"):format(order, order, delay), rows * 1e-4,
         function(d) return identify.bj(d, {nb = order, nc = 1, nd = 2, nf = order, delay = delays(delay), remove_means = true, iterations = 60}) end)
-    for n = 2, highest, 2 do
+    for n = 1, highest do
       try("state space", ("state space of order %d by subspace"):format(n), rows * 1e-4,
           function(d) return identify.state_space(d, {order = n, remove_means = true}) end)
     end
+  end
+
+  local function delay_words(d)
+    if inputs < 2 then return ("delay %d"):format(d) end
+    return "delays " .. table.concat(delays(d), ", ")
   end
 
   -- Lags: ny of the output, nu of each input from the delay on.
@@ -353,7 +399,7 @@ local function identify_output(output)
     return text
   end
   local function named(ny, nu, d)
-    return inputs == 0 and ("%d of y"):format(ny) or ("%d of y, %d of u, delay %d"):format(ny, nu, d)
+    return inputs == 0 and ("%d of y"):format(ny) or ("%d of y, %d of u, %s"):format(ny, nu, delay_words(d))
   end
   -- The structures that did best so far, for the costly ones to begin with.
   local structures = {}
@@ -545,9 +591,10 @@ local function identify_output(output)
     for i = 1, inputs do list[i] = math.max(0, list[i]) end
     local kept = budget
     budget = neural_budget
-    local what = ("state space of order %d%s%s%s, delay %d, decay %.1g%s"):format(s.order, s.integrating and ", integrating" or "",
+    local what = s.hidden + s.out == 0 and ("linear state space of order %d%s, %s"):format(s.order, s.integrating and ", integrating" or "", delay_words(s.d)) or
+      ("state space of order %d%s%s%s, %s, decay %.1g%s"):format(s.order, s.integrating and ", integrating" or "",
       s.hidden > 0 and (", %d neurons"):format(s.hidden) or "",
-      s.out > 0 and (", %d of the output%s"):format(s.out, s.projections > 0 and ", Wiener" or "") or "", s.d, s.decay, thorough and ", long" or "")
+      s.out > 0 and (", %d of the output%s"):format(s.out, s.projections > 0 and ", Wiener" or "") or "", delay_words(s.d), s.decay, thorough and ", long" or "")
     local candidate = try("neural state space", what, work, function(x)
       return identify.neural_state_space(x, {order = s.order, hidden = s.hidden, output_hidden = s.out, projections = s.projections,
         integrating = s.integrating, feedthrough = s.d < 0, delay = list, decay = s.decay, starts = starts, refined = refined,
@@ -570,6 +617,7 @@ local function identify_output(output)
     local plain = {order = order, hidden = 5, out = 0, projections = 0, integrating = false, d = delay, decay = math.min(decay, 1e-2)}
     local wiener = changed(plain, {hidden = 0, out = 6, projections = 1})
     for _, d in ipairs(delay > 0 and {delay, 0} or {delay}) do
+      for n = 1, highest do try_neural(changed(plain, {order = n, d = d, hidden = 0})) end
       for n = math.max(1, order - 1), order + 1 do
         try_neural(changed(plain, {order = n, d = d}))
         try_neural(changed(wiener, {order = n, d = d}))
@@ -641,21 +689,26 @@ local function identify_output(output)
       rows[k] = {}
       for j = 1, inputs do rows[k][j] = columns[j][backwards and part.samples + 1 - k or k] end
     end
-    stressed[#stressed + 1] = identify.data{u = pl.matrix(rows), y = part.y, Ts = part.Ts, inputs = all.inputs, outputs = {label}}
+    stressed[#stressed + 1] = {
+      part = identify.data{u = pl.matrix(rows), y = part.y, Ts = part.Ts, inputs = all.inputs, outputs = {label}},
+      why = backwards and "when its inputs are 20 % larger and backwards in time" or "when its inputs are 20 % larger"}
   end
+  -- The output of what integrates goes anywhere with other inputs.
+  local integrates = best_neural and best_neural.neural.integrating
+  for _, c in ipairs(candidates) do integrates = integrates and c.held >= best_neural.held end
   for _, part in ipairs(parts) do
-    if inputs > 0 then
+    if inputs == 0 then
+      stressed[#stressed + 1] = {part = part, why = "on the data themselves"}
+    elseif not integrates then
       stress(part, false)
       stress(part, true)
-    else
-      stressed[#stressed + 1] = part
     end
   end
   -- Inputs of the test that are no larger than those that are known give no output far beyond those that are known.
   local calm = #stressed
   local within = true
   for _, part in ipairs(tests or {}) do
-    stressed[#stressed + 1] = part
+    stressed[#stressed + 1] = {part = part, why = "on the inputs of the test"}
     for j = 1, inputs do
       local known, new = data:column(all.inputs[j]), part:column(all.inputs[j])
       local margin = 0.05 * (pl.max(known) - pl.min(known))
@@ -663,17 +716,22 @@ local function identify_output(output)
     end
   end
   local function bears(model)
-    for i, part in ipairs(stressed) do
-      local ok, y = pcall(free_run, model, part)
+    for i, trial in ipairs(stressed) do
+      local ok, y = pcall(free_run, model, trial.part)
       local room = (i > calm and within and 0.5 or 2) * (greatest - lowest)
-      if not ok or not (pl.min(y) > lowest - room and pl.max(y) < greatest + room) then return false end
+      if not ok or not (pl.min(y) > lowest - room and pl.max(y) < greatest + room) then
+        return false, trial.why
+      end
     end
     return true
   end
   table.sort(candidates, function(a, b) return a.held < b.held end)
   local best, judged_to_bear = nil, {}
   local function fit_to_use(c)
-    if judged_to_bear[c] == nil then judged_to_bear[c] = c.held < math.huge and bears(c.models[1]) end
+    if judged_to_bear[c] == nil then
+      judged_to_bear[c] = false
+      if c.held < math.huge then judged_to_bear[c], c.why = bears(c.models[1]) end
+    end
     return judged_to_bear[c]
   end
   for _, c in ipairs(candidates) do
@@ -681,7 +739,7 @@ local function identify_output(output)
       if fit_to_use(c) then
         best = c
       else
-        print(("\n  %s is not taken: it runs away when its inputs are 20 %% larger, or on those of the test"):format(c.what))
+        print(("\n  %s is not taken: it runs away %s"):format(c.what, c.why))
       end
     end
   end
@@ -691,6 +749,7 @@ local function identify_output(output)
     return {held = math.huge, ny = 2, nu = 2, delay = delay, later = later}
   end
   print(("\n  least error: %s, free run %.5g held back, %.2f %% of the standard deviation"):format(best.what, best.held, 100 * best.held / deviation))
+  if best.held > 0.95 * deviation then print "  that is hardly better than the mean of the output: the inputs do not explain it" end
   -- Of models that cannot be told apart one with clearly fewer parameters: their mean squares, piece by piece of the blocks
   -- held back, differ from the best by less than one standard error.
   local least = best
@@ -743,7 +802,8 @@ local function identify_output(output)
       break
     end
     local columns = {}
-    for k = 1, part.samples do columns[k] = {part.y[k], run[k], part.y[k] - run[k]} end
+    local y = (as_measured[part] or part).y
+    for k = 1, part.samples do columns[k] = {y[k], run[k], y[k] - run[k]} end
     identify.data{u = part.u, y = pl.matrix(columns), Ts = part.Ts, inputs = all.inputs, outputs = {label, "free_run", "error"}}:save(path)
     print(("  the free run over the test, beside what was measured: %s"):format(path))
   end
@@ -758,7 +818,7 @@ local function identify_output(output)
   local model = tests and final or best.models[1]
   local y = free_run(model, judged)
   local figure = pl.figure{title = best.what .. (tests and ": the test" or ": data that it has not seen"), x = "time t [s]"}
-  figure:panel{y = label}:markers(judged.time, judged.y, {marker = "dot", color = "grey", label = "measured"})
+  figure:panel{y = label}:markers(judged.time, (as_measured[judged] or judged).y, {marker = "dot", color = "grey", label = "measured"})
         :line(judged.time, y, {color = "blue", label = "free run"})
   figure:panel{y = "error", height = 0.5}:line(judged.time, judged.y - y, {color = "vermillion"})
   figure:save(stem .. "-validation.png")

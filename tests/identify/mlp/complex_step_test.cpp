@@ -21,37 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double h = 1e-40;
-
-// d output/d theta by complex steps, for outputs(theta) as a vector.
-template <typename Outputs>
-MatrixXd complex_step(const VectorXd& theta, Outputs outputs) {
-  MatrixXd J;
-  for (Index j = 0; j < theta.size(); ++j) {
-    VectorXcd moved = theta.cast<Complex>();
-    moved[j] += Complex(0, h);
-    const VectorXd column = VectorXcd(outputs(moved)).imag() / h;
-    if (j == 0) J.resize(column.size(), theta.size());
-    J.col(j) = column;
-  }
-  return J;
-}
-
-// Elements of J'J and J'e are compared with the lengths of the columns they are made of.
-void expect_normal(const Training& training, const VectorXd& theta, const MatrixXd& J, const VectorXd& e,
-                   const std::string& what) {
-  MatrixXd R;
-  VectorXd g;
-  EXPECT_NEAR(training.normal(theta, R, g), e.squaredNorm(), 1e-12 * e.squaredNorm()) << what;
-  const VectorXd length = J.colwise().norm();
-  const VectorXd expected = J.transpose() * e;
-  const MatrixXd square = J.transpose() * J;
-  for (Index i = 0; i < theta.size(); ++i) {
-    EXPECT_NEAR(g[i], expected[i], 1e-12 * length[i] * e.norm()) << what << " " << i;
-    for (Index j = 0; j < theta.size(); ++j) EXPECT_NEAR(R(i, j), square(i, j), 1e-12 * length[i] * length[j]) << what;
-  }
-}
-
 TEST(ComplexStep, ConfirmsStaticTraining) {
   Random random(11);
   MatrixXd x(25, 3), y(25, 2);
