@@ -61,17 +61,32 @@ bool is_stable(const VectorXd& P, double radius) {
   return z.size() == 0 || z.cwiseAbs().maxCoeff() < radius;
 }
 
-VectorXd reflected(const VectorXd& P) {
+namespace {
+
+// A monic polynomial with the roots outside of the unit circle moved.
+template <typename Move>
+VectorXd with_moved_roots(const VectorXd& P, Move move) {
   if (!P.allFinite() || is_stable(P)) return P;
   Eigen::VectorXcd product = Eigen::VectorXcd::Zero(P.size());
   product[0] = 1;
   Index degree = 0;
   for (std::complex<double> z : roots(P)) {
-    if (std::abs(z) > 1) z = 1.0 / std::conj(z);
+    if (std::abs(z) > 1) z = move(z);
     ++degree;
     for (Index i = degree; i > 0; --i) product[i] -= z * product[i - 1];
   }
   return product.real();
+}
+
+}  // namespace
+
+VectorXd reflected(const VectorXd& P) {
+  return with_moved_roots(P, [](std::complex<double> z) { return 1.0 / std::conj(z); });
+}
+
+// Just inside, so that it counts as stable.
+VectorXd clamped(const VectorXd& P) {
+  return with_moved_roots(P, [](std::complex<double> z) { return z / std::abs(z) * (1 - 1e-9); });
 }
 
 }  // namespace plantloop::identify

@@ -24,5 +24,7 @@ Eigen::VectorXcd roots(const Eigen::VectorXd& P);
 bool is_stable(const Eigen::VectorXd& P, double radius = 1);
 // A monic polynomial with each root outside of the unit circle replaced by its mirror image 1/conj(root).
 Eigen::VectorXd reflected(const Eigen::VectorXd& P);
+// With each root outside of the unit circle moved straight onto it.
+Eigen::VectorXd clamped(const Eigen::VectorXd& P);
 
 }  // namespace plantloop::identify

@@ -29,7 +29,7 @@ VectorXd damped_step(const MatrixXd& R, const VectorXd& Qe, const VectorXd& scal
 }  // namespace
 
 MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& start, const MarquardtOptions& options,
-                                 const std::function<VectorXd(const VectorXd&)>& project, const FitControl& control) {
+                                 const Allowed& allowed, const FitControl& control) {
   MarquardtResult best;
   best.theta = start;
   best.residuals = residuals(start, &best.jacobian);
@@ -63,12 +63,15 @@ MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& sta
     bool small = false;
     while (!moved && !small) {
       const VectorXd step = damped_step(R, Qe, scale, damping);
-      VectorXd theta = best.theta + step;
-      if (project) theta = project(theta);
-      small = (theta - best.theta).cwiseAbs().maxCoeff() <= options.step * std::max(1.0, best.theta.norm()) ||
-              damping > 1e20;
-      const VectorXd e = residuals(theta, nullptr);
-      const double sse = e.squaredNorm();
+      VectorXd theta;
+      double sse = std::numeric_limits<double>::infinity();
+      small = damping > 1e20;
+      for (VectorXd& end : allowed ? allowed(best.theta + step) : std::vector<VectorXd>{best.theta + step}) {
+        theta = std::move(end);
+        if ((theta - best.theta).cwiseAbs().maxCoeff() <= options.step * std::max(1.0, best.theta.norm())) small = true;
+        sse = residuals(theta, nullptr).squaredNorm();
+        if (sse < best.sse) break;
+      }
       if (sse < best.sse) {
         const double predicted = Qe.squaredNorm() - (Qe + R * step).squaredNorm();
         const double ratio = predicted > 0 ? (best.sse - sse) / predicted : 0;

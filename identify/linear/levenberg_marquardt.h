@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "identify/fit_report.h"
 
@@ -30,11 +31,13 @@ struct MarquardtResult {
   bool converged = false;  // by gradient or step, not by the limit
 };
 
-// Minimises the sum of squared residuals from `start`, at which they must be finite. `project` moves a candidate into
-// the allowed region (as mirroring unstable roots does); it may be empty.
+// Where a step into a forbidden region may end instead: points of the allowed one, of which the first that is better is
+// taken. Of an allowed theta itself.
+using Allowed = std::function<std::vector<Eigen::VectorXd>(const Eigen::VectorXd& theta)>;
+
+// Minimises the sum of squared residuals from `start`, at which they must be finite. `allowed` may be empty.
 MarquardtResult minimise_squares(const Residuals& residuals, const Eigen::VectorXd& start,
-                                 const MarquardtOptions& options = {},
-                                 const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& project = {},
+                                 const MarquardtOptions& options = {}, const Allowed& allowed = {},
                                  const FitControl& control = {});
 
 // The covariance of parameters whose residuals have the variance s2 and this Jacobian: s2 (J'J)^-1; infinite on the

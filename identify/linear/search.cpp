@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "identify/data/preprocess.h"
 #include "identify/error.h"
 #include "identify/linear/arx.h"
 #include "identify/linear/filter.h"
@@ -19,6 +20,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+const VectorXd one = VectorXd::Ones(1);
 
 // With the signals as they are: the operating point is already taken away.
 VectorXd errors(const PolynomialModel& m, const DataSet& data, std::size_t output, MatrixXd* J) {
@@ -145,6 +148,32 @@ bool add_noise_of(const LinearTask& task, PolynomialModel& m) {
   return true;
 }
 
+// Signals filtered by A of a long ARX model have nearly white noise, so that filtered least squares finds B and F as
+// well as can be (Y. Zhu 2011); then C and D of what they leave.
+bool whitened_start(const LinearTask& task, PolynomialModel& m) {
+  LinearTask extended = task;
+  extended.orders = arx_orders(task.orders);
+  const int rows = static_cast<int>(task.data.samples());
+  const int lags = std::clamp(rows / 30, extended.orders.na + 4, 20);
+  extended.orders.na = lags;
+  for (std::size_t i = 0; i < extended.orders.nb.size(); ++i) {
+    if (extended.orders.nb[i] > 0) extended.orders.nb[i] = lags;
+  }
+  if (extended.parameters() * 3 > rows) return false;
+  const VectorXd A = reflected(fit_arx(extended, {}).A);
+  LinearOptions plain{.output = task.data.outputs[task.output].name, .offset = task.offset, .initial = task.initial};
+  Orders orders = arx_orders(task.orders);
+  if (orders.na == 0 || !(std::fabs(A.sum()) > 1e-6)) return false;
+  const PolynomialModel white = fit_filtered(filter(task.data, A, one), orders, plain, 30);
+  for (std::size_t i = 0; i < m.B.size(); ++i) {
+    m.B[i] = white.B[i];
+    const Index nf = std::min(white.F[i].size(), m.F[i].size());
+    m.F[i].head(nf) = white.F[i].head(nf);
+  }
+  m.offset = white.offset / A.sum();
+  return add_noise_of(task, m);
+}
+
 std::vector<StartModel> starts_of(const LinearTask& task, const LinearOptions& options, const PolynomialModel& empty,
                                   const FitControl& control) {
   std::vector<StartModel> starts;
@@ -175,6 +204,9 @@ std::vector<StartModel> starts_of(const LinearTask& task, const LinearOptions& o
   quiet.orders.nc = quiet.orders.nd = 0;
   PolynomialModel m = rational ? search_linear(quiet, {.iterations = options.iterations}, control) : fit_arx(quiet, {});
   m.covariance = empty.covariance;
+  if (PolynomialModel white = empty; whitened_start(task, white)) {
+    starts.push_back({"filtered least squares of whitened signals, then the noise", std::move(white)});
+  }
   if (!add_noise_of(task, m)) return starts;
   starts.push_back({"output error, then its noise", m});
   if (task.orders.nc == 0 || task.orders.nd == 0) return starts;
@@ -257,10 +289,16 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
     trial.set_parameters(theta);
     return errors(trial, task.data, task.output, J);
   };
-  const auto project = [&](const VectorXd& theta) {
+  // A root that leaves the unit circle is mirrored, which leaves the spectrum of the noise as it is, or else stops at
+  // the circle: an optimum there is no local minimum of mirrored steps.
+  const auto allowed = [&](const VectorXd& theta) {
     PolynomialModel m = empty;
     m.set_parameters(theta);
-    return mirrored(std::move(m)).parameters();
+    const VectorXd inside = mirrored(m).parameters();
+    if (inside == theta) return std::vector<VectorXd>{theta};
+    m.C = clamped(m.C);
+    for (VectorXd& f : m.F) f = clamped(f);
+    return std::vector<VectorXd>{inside, m.parameters()};
   };
   const double rows = static_cast<double>(task.data.samples());
   PolynomialModel model = empty;
@@ -269,7 +307,7 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
   for (const StartModel& start : starts_of(task, options, empty, control)) {
     if (!std::isfinite(criterion(start.model.parameters(), nullptr).squaredNorm())) continue;
     MarquardtResult result =
-        minimise_squares(criterion, start.model.parameters(), {.iterations = options.iterations}, project, control);
+        minimise_squares(criterion, start.model.parameters(), {.iterations = options.iterations}, allowed, control);
     model.fit.tried.push_back(fmt::format("{}: mean square {:.6g} after {} iterations, {}", start.name,
                                           result.sse / rows, result.iterations, result.stopped));
     if (result.sse < best.sse) best = std::move(result);

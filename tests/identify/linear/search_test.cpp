@@ -156,7 +156,7 @@ TEST(PredictionErrorMethod, TheGradientVanishesAtTheEstimate) {
   MatrixXd J;
   const VectorXd v = prediction_errors(m, data, &J);
   for (Index j = 0; j < J.cols(); ++j) EXPECT_LT(std::abs(J.col(j).dot(v)), 1e-6 * J.col(j).norm() * v.norm());
-  EXPECT_EQ(m.fit.tried.size(), 4U);
+  EXPECT_EQ(m.fit.tried.size(), 5U);
 }
 
 TEST(PredictionErrorMethod, InstrumentsAreUnbiasedWhereLeastSquaresIsNot) {
