@@ -1,6 +1,6 @@
 -- What does a small network learn of a nonlinear first-order system, one step ahead and in free run?
 --
--- Figures 3.1 and 3.8 to 3.19 of J. Kocijan, Modelling Dynamic Systems with Artificial Neural Networks and Related Methods
+-- Figures 3.1, 3.8 to 3.19 and 4.11 of J. Kocijan, Modelling Dynamic Systems with Artificial Neural Networks and Related Methods
 -- (2023): equation (3.9), y(k) = y(k-1) - 0.5 tanh(y(k-1) + u(k-1)^3), sampled every 0.5 s, with and without equation noise of
 -- 0.02, and networks of tanh neurons. The weights in figure 3.13 are the book's.
 -- plantloop script scripts/book/first_order_network.lua [png|svg]
@@ -47,8 +47,8 @@ for number, data in pairs{[9] = noisy, [10] = noisy_fresh} do
   figure:panel{y = "u", height = 0.5}:stairs(data.time, data.u, {color = "grey"})
   save(figure, number)
 end
-figure = pl.figure{title = "How often the input takes its values", x = "u", y = "samples"}
-figure:histogram(noisy.u, {bins = 12})
+figure = pl.figure{title = "How often the input takes its values: identification (left) and validation (right)", columns = 2}
+for _, data in ipairs{noisy, noisy_fresh} do figure:panel{x = "u", y = "samples"}:histogram(data.u, {bins = 12}) end
 save(figure, 11)
 local n = noisy.samples
 figure = pl.figure{title = "The data on the surface of the system", x = "u(k-1)", y = "y(k-1)"}
@@ -92,12 +92,33 @@ figure = pl.figure{title = "The book's network"}
 figure:network(pl.vector{2, 5, 1}, {weights = pl.vector(weights), inputs = {"y(k-1)", "u(k-1)"}, outputs = {"y(k)"}})
 save(figure, 13)
 
-figure = pl.figure{title = "The surface of the network", x = "u(k-1)", y = "y(k-1)"}
-figure:surface(matrix_of(us, ys, function(u, y) return printed(y, u) end), us, ys)
+figure = pl.figure{title = "The next output: system (left) and the book's network (right)", columns = 2}
+figure:panel{x = "u(k-1)", y = "y(k-1)"}:surface(surface, us, ys)
+figure:panel{x = "u(k-1)", y = "y(k-1)"}:surface(matrix_of(us, ys, function(u, y) return printed(y, u) end), us, ys)
 save(figure, 14)
 figure = pl.figure{title = "What it is off the system", x = "u(k-1)", y = "y(k-1)"}
 figure:surface(matrix_of(us, ys, function(u, y) return printed(y, u) - next_output(y, u) end), us, ys)
 save(figure, 15)
+-- The same as lines of equal error (figure 4.11): where a controller may trust the network.
+figure = pl.figure{title = "One-step error of the book's network", x = "u(k-1)", y = "y(k-1)"}
+local error_of = matrix_of(us, ys, function(u, y) return printed(y, u) - next_output(y, u) end)
+figure:contour(error_of, us, ys, {filled = true})
+figure:markers(noisy.u, noisy.y, {marker = "dot", color = "black", size = 2})
+figure:save(("out/figure_4_11.%s"):format(format))
+-- Over the plane, and where samples are: a network is right where its data were.
+local within, squares = 0, 0
+for k = 2, noisy.samples do
+  squares = squares + (printed(noisy.y[k - 1], noisy.u[k - 1]) - next_output(noisy.y[k - 1], noisy.u[k - 1])) ^ 2
+end
+for j = 1, 31 do
+  for i = 1, 31 do within = within + (math.abs(error_of(j, i)) < 0.05 and 1 or 0) end
+end
+local at_data, at_all = math.sqrt(squares / (noisy.samples - 1)), 0
+for j = 1, 31 do
+  for i = 1, 31 do at_all = at_all + error_of(j, i) ^ 2 end
+end
+at_all = math.sqrt(at_all) / 31
+print(("the book's network is off by %.3f where data are, by %.3f over the plane, of which %.0f %% are within 0.05"):format(at_data, at_all, 100 * within / 31 ^ 2))
 
 -- On data that it has not seen; the residuals of a network that was trained with noise are white.
 local model = fit(noisy, 5, 16, 300)

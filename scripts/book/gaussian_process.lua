@@ -21,19 +21,28 @@ local static = identify.gaussian_process(few, {regressors = "u(k)", starts = 10,
 local mean, variance = static:uncertain(identify.data{u = x, y = f(x), Ts = 1}, {propagation = "naive"})
 local deviation = variance ^ 0.5
 
-local figure = pl.figure{title = "A function and eight noisy points", x = "x", y = "y"}
+-- What a process is (figure 7.1): at each x a normal density, narrow near data.
+local figure = pl.figure{title = "A process says a density of y for each x", columns = 2}
+local left, right = figure:panel{x = {label = "x", limits = {0, 1.2}}, y = "y"}, figure:panel{x = {label = "y", limits = {-1.2, 2.4}}, y = "density of y"}
+left:band(x, mean - 2 * deviation, mean + 2 * deviation, {color = "sky"})
+left:line(x, mean, {color = "blue", label = "mean"})
+left:markers(points, targets, {color = "vermillion", label = "data"})
+local level = pl.linspace(-1.2, 2.4, 361)
+for _, c in ipairs{{51, "blue"}, {96, "green"}, {121, "vermillion"}} do
+  local m, s = mean[c[1]], deviation[c[1]]
+  right:line(level, pl.exp(-0.5 * ((level - m) / s) ^ 2) / (s * math.sqrt(2 * pl.pi)), {color = c[2], label = ("x = %.2f"):format(x[c[1]])})
+  left:line(pl.vector{x[c[1]], x[c[1]]}, pl.vector{m - 2 * s, m + 2 * s}, {color = c[2]})
+end
+save(figure, 1)
+figure = pl.figure{title = "A function and eight noisy points", x = "x", y = "y"}
 figure:line(x, f(x), {color = "grey", label = "f(x)"})
 figure:markers(points, targets, {color = "vermillion", label = "data"})
-save(figure, 1)
+save(figure, 2)
 figure = pl.figure{title = "What the process makes of them: mean and two standard deviations", x = "x", y = "y"}
 figure:band(x, mean - 2 * deviation, mean + 2 * deviation, {color = "blue"})
 figure:line(x, mean, {color = "blue", label = "mean"})
 figure:line(x, f(x), {color = "grey", label = "f(x)"})
 figure:markers(points, targets, {color = "vermillion", label = "data"})
-save(figure, 2)
-figure = pl.figure{title = "Standard deviation and error", x = "x", y = "y"}
-figure:line(x, 2 * deviation, {color = "blue", label = "two standard deviations"})
-figure:line(x, pl.abs(mean - f(x)), {color = "vermillion", label = "error"})
 save(figure, 3)
 print("static: outside of the data three times less sure than inside: " .. yes(deviation[121] > 3 * deviation[51]))
 print("static: the error stays within two deviations nearly everywhere: " .. yes(identify.metrics(f(x), mean, {variance = variance}).coverage > 0.85))
@@ -55,8 +64,7 @@ for k = 2, 300 do
   us[#us + 1], ys[#ys + 1] = u[k - 1], y[k - 1]
 end
 local process = identify.gaussian_process(identify.join(table.unpack(rows)), {regressors = "y(k-1), u(k-1)", starts = 4, points = 100, seed = 2})
-local function judge(number, upper, lower, seed, title)
-  local ru, ry = staircase(100, 8, lower, upper, seed)
+local function judge(number, ru, ry, title)
   local record = identify.data{u = ru, y = ry, Ts = 0.5}
   local m, v = process:uncertain(record, {propagation = "moment_matching"})
   local naive_m, naive_v = process:uncertain(record, {propagation = "naive"})
@@ -73,14 +81,17 @@ local function judge(number, upper, lower, seed, title)
   print("  carrying uncertainty along makes it less sure: " .. yes(pl.mean(v) >= pl.mean(naive_v)))
   return record, v, naive_v, errors
 end
-local record, v, naive_v, errors = judge(5, 1.2, -1.2, 7, "Validation inside of the data")
+judge(5, u, y, "Identification")
+local inside_u, inside_y = staircase(100, 8, -1.2, 1.2, 7)
+local _, _, _, errors = judge(8, inside_u, inside_y, "Validation inside of the data")
 print("  AE below 0.06, SE below 0.008, LD from -2.2 to -0.9: " .. yes(errors.AE < 0.06 and errors.SE < 0.008 and errors.LD > -2.2 and errors.LD < -0.9))
-judge(8, 1.5, -1.3, 8, "Validation that leaves the data")
-figure = pl.figure{title = "Standard deviation in free run", x = "time t [s]", y = "standard deviation"}
+local beyond_u, beyond_y = staircase(100, 8, -1.3, 1.5, 8)
+local record, v, naive_v = judge(9, beyond_u, beyond_y, "Validation that leaves the data")
+figure = pl.figure{title = "Standard deviation of the free run that leaves the data", x = "time t [s]", y = "standard deviation"}
 figure:line(record.time, v ^ 0.5, {color = "blue", label = "moment matching"})
 figure:line(record.time, naive_v ^ 0.5, {color = "grey", label = "naive"})
 save(figure, 10)
--- One step from any state, as a record of pairs; 7.6 the surfaces, 7.7 and 7.9 contours of both, 7.11 the deviation.
+-- One step from any state, as a record of pairs: surfaces (figure 7.6), contours (7.7), deviation and data (7.11).
 local side_u, side_y = pl.linspace(-1.6, 1.6, 33), pl.linspace(-1.7, 1.7, 33)
 local pu, py = {}, {}
 for j = 1, 33 do
@@ -103,16 +114,28 @@ local of_system = grid(function(i, j)
   local e = math.exp(2 * (side_y[j] + side_u[i] ^ 3))
   return side_y[j] - 0.5 * (e - 1) / (e + 1)
 end)
-figure = pl.figure{title = "The next output: system, and process with its data"}
+figure = pl.figure{title = "The next output: system (left), and process with its data (right)", columns = 2}
 figure:panel{x = "u(k-1)", y = "y(k-1)"}:surface(of_system, side_u, side_y)
 figure:panel{x = "u(k-1)", y = "y(k-1)"}:surface(of_model, side_u, side_y, {points_x = pl.vector(us), points_y = pl.vector(ys), points_z = (y + noise):slice(2, 300)})
 save(figure, 6)
-figure = pl.figure{title = "Contours of the system", x = "u(k-1)", y = "y(k-1)"}
-figure:contour(of_system, side_u, side_y)
+-- Contours of both, and the slope over the last output where u = 0: 1 - 0.5/cosh^2(y) of the system.
+figure = pl.figure{title = "Contours of system (left) and process (middle), and slope over y(k-1) at u = 0 (right)", columns = 3}
+figure:panel{x = "u(k-1)", y = "y(k-1)"}:contour(of_system, side_u, side_y)
+figure:panel{x = "u(k-1)", y = "y(k-1)"}:contour(of_model, side_u, side_y)
+local middles, slopes, steepest = pl.zeros(32), pl.zeros(32), 0
+for j = 1, 32 do
+  middles[j] = (side_y[j] + side_y[j + 1]) / 2
+  slopes[j] = (of_model(j + 1, 17) - of_model(j, 17)) / (side_y[j + 1] - side_y[j])
+end
+local exact = 0.5 + 0.5 * pl.tanh(middles) ^ 2
+local panel = figure:panel{x = "y(k-1)", y = "slope"}
+panel:line(middles, exact, {color = "grey", label = "system"})
+panel:line(middles, slopes, {color = "blue", label = "process"})
 save(figure, 7)
-figure = pl.figure{title = "Contours of the process", x = "u(k-1)", y = "y(k-1)"}
-figure:contour(of_model, side_u, side_y)
-save(figure, 9)
+for j = 1, 32 do
+  if math.abs(middles[j]) < 0.8 then steepest = math.max(steepest, math.abs(slopes[j] - exact[j])) end
+end
+print("the slope where the data lie is right to 0.15: " .. (steepest < 0.15 and "yes" or ("no, %.2f off"):format(steepest)))
 -- The deviation at a state: a record of one lag and a step has it after its first sample.
 local pairs_of = {}
 for j = 1, 33 do
@@ -124,7 +147,8 @@ for first = 2, #pairs_of, 200 do
 end
 local _, spread = process:uncertain(all_pairs, {propagation = "naive"})
 local deviations = grid(function(i, j) return math.sqrt(spread[2 * ((j - 1) * 33 + i)]) end)
-figure = pl.figure{title = "How unsure the process is of the next output, and where its data lie", x = "u(k-1)", y = "y(k-1)"}
-figure:surface(deviations, side_u, side_y)
+figure = pl.figure{title = "How unsure the process is of the next output (left), and where its data lie (right)", columns = 2}
+figure:panel{x = "u(k-1)", y = "y(k-1)"}:surface(deviations, side_u, side_y)
+figure:panel{x = {label = "u(k-1)", limits = {-1.6, 1.6}}, y = {label = "y(k-1)", limits = {-1.7, 1.7}}}:markers(pl.vector(us), pl.vector(ys), {color = "grey", size = 3})
 save(figure, 11)
 print("less sure beyond the inputs of the data: " .. yes(deviations(17, 33) > deviations(17, 17)))

@@ -37,19 +37,32 @@ local raw = record(1, 635, 7919)
 local data = raw:detrend()
 local validation = record(3, 600, 11)
 
-figure = pl.figure{title = "Identification data: a binary sequence of 127 bits", x = {label = "time t [s]", limits = {0, 12.7}}}
-figure:panel{y = "y [V]"}:line(raw.time, raw.y, {color = "blue"})
-figure:panel{y = "u - 8.5 V [V]", height = 0.5}:stairs(raw.time, raw.u, {color = "grey"})
-save(figure, 11)
+-- Input and response about the operating point, each with the magnitude of its spectrum (figures 2.11 and 2.12); that of the
+-- input is empty at 2 pi/0.1 s.
+local w, power = identify.periodogram(data.u, Ts)
+local _, power_y = identify.periodogram(data.y, Ts)
+for number, c in pairs{[11] = {"A binary sequence of 127 bits", "u - 8.5 V [V]", data.u, power, "stairs"},
+                       [12] = {"The response to the binary sequence", "y - mean [V]", data.y, power_y, "line"}} do
+  figure = pl.figure{title = c[1], columns = 2}
+  local top = figure:panel{x = {label = "time t [s]", limits = {0, 12.7}}, y = c[2]}
+  top[c[5]](top, data.time, c[3], {color = "blue"})
+  figure:panel{x = {label = "frequency ω [rad/s]", limits = {0, 157}}, y = "magnitude", lines = {{x = 2 * pl.pi / 0.1, label = "clock"}}}
+    :line(w, c[4] ^ 0.5, {color = "blue"})
+  save(figure, number)
+end
+-- The mean of the power around a frequency, over that of the lowest ones.
+local function share(around)
+  local low, there, n_low, n_there = 0, 0, 0, 0
+  for i = 2, #w do
+    if w[i] < 10 then low, n_low = low + power[i], n_low + 1 end
+    if math.abs(w[i] - around) < 2 then there, n_there = there + power[i], n_there + 1 end
+  end
+  return there / n_there / (low / n_low)
+end
+print(("power of the input: half at 27.8 rad/s: %s; none at the clock's 62.8 rad/s: %s"):format(
+  math.abs(share(27.8) - 0.5) < 0.1 and "yes" or share(27.8), share(2 * pl.pi / 0.1) < 0.01 and "yes" or share(2 * pl.pi / 0.1)))
 
--- The spectrum of the input is empty at 2 pi/0.1 s (figure 2.12).
-local w, power = identify.periodogram(raw.u, Ts)
-figure = pl.figure{title = "Spectrum of the binary sequence", x = {label = "frequency ω [rad/s]", limits = {0, 157}},
-                   y = "power", lines = {{x = 2 * pl.pi / 0.1, label = "clock"}, {x = 27.8, label = "half power"}}}
-figure:line(w, power, {color = "blue"})
-save(figure, 12)
-
--- Fourier analysis (figure 2.13).
+-- Fourier analysis, and spectral analysis with a Hamming window of 35 lags (figure 2.13).
 local etfe = identify.fourier(data)
 local function bode(title)
   local f = pl.figure{title = title, x = {label = "frequency ω [rad/s]", scale = "log", limits = {0.5, 157}}, height = 130}
@@ -57,9 +70,13 @@ local function bode(title)
          f:panel{y = {label = "phase [rad]", limits = {-14, 2}}, height = 0.7}
 end
 local magnitude, phase
-figure, magnitude, phase = bode "Fourier analysis: the ratio of the transforms of output and input"
-magnitude:markers(etfe.w, etfe.magnitude, {color = "grey", label = "Fourier analysis"})
-phase:markers(etfe.w, etfe.phase, {color = "grey"})
+local grid = identify.frequencies{from = 0.5, Ts = Ts, count = 200}
+local spectral = identify.spectral(data, {lags = 35, w = grid})
+figure, magnitude, phase = bode "Frequency response without smoothing and with it"
+magnitude:markers(etfe.w, etfe.magnitude, {color = "grey", label = "Fourier analysis", marker = "dot"})
+magnitude:line(grid, spectral.magnitude, {color = "blue", label = "spectral analysis, 35 lags"})
+phase:markers(etfe.w, etfe.phase, {color = "grey", marker = "dot"})
+phase:line(grid, spectral.phase, {color = "blue"})
 save(figure, 13)
 
 -- The order from the information matrix, the delay from output-error models.
@@ -91,11 +108,12 @@ for i, m in ipairs(models) do
                                                                         m.model.gain, m.own, m.other))
 end
 
--- Residuals of the one-step error of least squares, and of the simulated output of the filtered estimate.
-local function correlations(e, title, first, second)
+-- Residuals of the one-step error of least squares, and of the simulated output of the filtered estimate: over time and their
+-- distribution (figures 2.14 and 2.15), with the input (2.16 and 2.17), with themselves (2.18 and 2.19).
+local function correlations(e, title, with_input, with_itself)
   local ee, eu = identify.autocorrelation(e), identify.cross_correlation(e, data.u)
-  for number, c in pairs{[first] = ee, [second] = eu} do
-    local f = pl.figure{title = title, x = "lag [samples]", y = number == first and "correlation of e with e" or "correlation of e with u",
+  for number, c in pairs{[with_itself] = ee, [with_input] = eu} do
+    local f = pl.figure{title = title, x = "lag [samples]", y = number == with_itself and "correlation of e with e" or "correlation of e with u",
                         bands = {{lower = -c.band, upper = c.band, label = "95 %"}}}
     f:line(c.lag, c.r, {style = "line_points", color = "blue"})
     save(f, number)
@@ -106,30 +124,37 @@ local function correlations(e, title, first, second)
 end
 local function histogram(e, title, number)
   local h = identify.histogram(e)
-  local f = pl.figure{title = title, x = "residual [V]", y = "samples"}
-  f:stairs(pl.join(h.edges), pl.join(h.counts, h.counts[#h.counts]), {color = "blue", label = "residuals"})
-  f:line(h.middles, h.normal, {color = "vermillion", label = "normal density"})
+  local f = pl.figure{title = title, columns = 2}
+  f:panel{x = {label = "time t [s]", limits = {0, 12.7}}, y = "residual [V]"}:line(data.time, e, {color = "blue"})
+  local right = f:panel{x = "residual [V]", y = "samples"}
+  right:stairs(pl.join(h.edges), pl.join(h.counts, h.counts[#h.counts]), {color = "blue", label = "residuals"})
+  right:line(h.middles, h.normal, {color = "vermillion", label = "normal density"})
   save(f, number)
 end
 histogram(models[1].model:residuals(data), "Residuals of least squares", 14)
 histogram(models[2].model:residuals(data), "Residuals of filtered least squares", 15)
-local plain = correlations(models[1].model:residuals(data), "Residuals of least squares", 16, 17)
-local filtered = correlations(models[2].model:residuals(data), "Residuals of filtered least squares", 18, 19)
+local plain = correlations(models[1].model:residuals(data), "Residuals of least squares", 16, 18)
+local filtered = correlations(models[2].model:residuals(data), "Residuals of filtered least squares", 17, 19)
 print(("residuals outside of the 95 %% band: %.0f %% of the lags by least squares, %.0f %% filtered"):format(100 * plain, 100 * filtered))
 
--- Comparison in time (figures 2.20 and 2.21).
-for number, set in pairs{[20] = {data, "simulated", "identification"}, [21] = {validation, "validated", "validation"}} do
-  local d = set[1]
-  local f = pl.figure{title = "Free run on the data of " .. set[3], x = {label = "time t [s]", limits = {0, 4}}, y = "y [V]"}
-  f:markers(d.time, d.y, {marker = "dot", color = "grey", label = "measured"})
-  for i = 1, 2 do f:line(d.time, models[i][set[2]] + (d == validation and models[i].mean or 0), {label = models[i].name, color = models[i].color}) end
+-- Comparison in time: least squares and the filtered estimate (figures 2.20 and 2.21), the model of one coefficient (2.23).
+local function in_time(number, d, simulated, title, which)
+  local f = pl.figure{title = title, x = {label = "time t [s]", limits = {0, 4}}}
+  local top, bottom = f:panel{y = "y [V]"}, f:panel{y = "error [V]", height = 0.5}
+  top:markers(d.time, d.y, {marker = "dot", color = "grey", label = "measured"})
+  for _, i in ipairs(which) do
+    local y = models[i][simulated] + (d == validation and models[i].mean or 0)
+    top:line(d.time, y, {label = models[i].name, color = models[i].color})
+    bottom:line(d.time, d.y - y, {color = models[i].color})
+  end
   save(f, number)
 end
+in_time(20, data, "simulated", "Free run on the data of identification", {1, 2})
+in_time(21, validation, "validated", "Free run on pulses that no model has seen", {1, 2})
+in_time(23, validation, "validated", "Free run of the model with one coefficient, on the pulses", {3})
 
--- Comparison in frequency with spectral analysis, window of 35 lags (figures 2.22 to 2.24).
-local grid = identify.frequencies{from = 0.5, Ts = Ts, count = 200}
-local spectral = identify.spectral(data, {lags = 35, w = grid})
-for i, m in ipairs(models) do
+-- Comparison in frequency with both analyses: the filtered estimate (figure 2.22), the model of one coefficient (2.24).
+for number, m in pairs{[22] = models[2], [24] = models[3]} do
   figure, magnitude, phase = bode("Frequency response of " .. m.name)
   local r = m.model:response(grid)
   magnitude:markers(etfe.w, etfe.magnitude, {color = "grey", label = "Fourier analysis", marker = "dot"})
@@ -137,6 +162,12 @@ for i, m in ipairs(models) do
   magnitude:line(grid, r.magnitude, {color = m.color, label = m.name})
   phase:line(grid, spectral.phase, {color = "black", style = "dashed"})
   phase:line(grid, r.phase, {color = m.color})
-  save(figure, 21 + i)
+  save(figure, number)
+  -- Where the input has power, in decibels off the smoothed response.
+  local worst = 0
+  for i = 1, #grid do
+    if grid[i] > 2 and grid[i] < 30 then worst = math.max(worst, math.abs(20 * math.log(r.magnitude[i] / spectral.magnitude[i], 10))) end
+  end
+  print(("%s: within 3 dB of the spectral analysis from 2 to 30 rad/s: %s"):format(m.name, worst < 3 and "yes" or ("no, %.2f dB"):format(worst)))
 end
 print(("The filtered estimate simulates %.1f times better than least squares in validation."):format(models[1].other / models[2].other))

@@ -3,6 +3,7 @@
 -- Figures 1.8 to 1.13, 1.18 to 1.21 and 1.23 of J. Kocijan, Modelling Dynamic Systems with Artificial Neural Networks and
 -- Related Methods (2023): equations (1.6), (1.7), (1.10) and (1.13). The book prints no domains: x in [0, 1] for (1.6), a
 -- square from -1 to 1 for (1.7) and (1.10), inputs between -1 and 1 for (1.13).
+-- Surfaces are coloured beside the mesh of the function that they are to follow.
 -- plantloop script scripts/book/static_networks.lua [png|svg]
 local pl = require "plantloop"
 local identify = pl.identify
@@ -49,15 +50,19 @@ local function matrix_of(n, f)
   return pl.matrix(rows)
 end
 local function as_surface(z) return matrix_of(21, function(i, j) return z[(i - 1) * 21 + j] end) end
+local function compare(title, network, data, axis, number)
+  local figure = pl.figure{title = title, x = "x", y = "y"}
+  figure:surface(as_surface(data.y), axis, axis, {wireframe = true})
+  figure:surface(as_surface(network:simulate(data)), axis, axis)
+  save(figure, number)
+end
 
 -- (1.7), a surface: one, two and five neurons.
 local axis, hills = grid(function(a, b) return a * math.cos(2 * a) + b * math.sin(2 * b) - 0.75 end)
 for _, size in ipairs{{1, "11"}, {2, "12"}, {5, "13"}} do
   local network = identify.mlp(hills, {regressors = "a(k), b(k)", hidden = size[1], activation = "sigmoid", starts = 12, spread = 3, iterations = 300, seed = 2})
   print(("equation (1.7), %s: RMSE %.4f"):format(count(size[1], "neuron"), rmse(network, hills)))
-  local figure = pl.figure{title = "Network of " .. count(size[1], "sigmoid neuron"), x = "x", y = "y"}
-  figure:surface(as_surface(network:simulate(hills)), axis, axis)
-  save(figure, size[2])
+  compare("Network of " .. count(size[1], "sigmoid neuron"), network, hills, axis, size[2])
 end
 
 -- (1.10), a surface with folds: Gaussian functions whose centres orthogonal least squares takes from the grid, one by one.
@@ -65,9 +70,7 @@ local _, folds = grid(function(a, b) return math.sin(0.4 * a ^ 3 - 1.6 * b ^ 2 +
 for _, size in ipairs{{3, "18"}, {5, "19"}, {11, "20"}, {31, "21"}} do
   local network = identify.rbf_network(folds, {regressors = "a(k), b(k)", functions = size[1], width = 0.1, constant = false, ridge = 0})
   print(("equation (1.10), %d functions: nRMSE %.3f"):format(size[1], rmse(network, folds) / pl.std(folds.y)))
-  local figure = pl.figure{title = ("%d radial functions"):format(size[1]), x = "x", y = "y"}
-  figure:surface(as_surface(network:simulate(folds)), axis, axis)
-  save(figure, size[2])
+  compare(("%d radial functions"):format(size[1]), network, folds, axis, size[2])
 end
 
 -- (1.13), a dynamic system: 20 Gaussian functions in the box of the data. Outside of it they decay to their constant.
@@ -97,7 +100,7 @@ for i = 1, 31 do
 end
 local answers = network:predict(identify.data{u = pl.vector(inputs), y = pl.vector(pasts), Ts = 1}, 1)
 local of_network = matrix_of(31, function(i, j) return answers[2 * ((i - 1) * 31 + j)] end)
-local figure = pl.figure{title = "The system (1.13) and a network that has seen its middle"}
+local figure = pl.figure{title = "The system (1.13) and a network that has seen its middle", columns = 2}
 figure:panel{x = "u(k)", y = "y(k)"}:surface(system, side, side)
 figure:panel{x = "u(k)", y = "y(k)"}:surface(of_network, side, side)
 save(figure, "23")
