@@ -23,10 +23,11 @@ struct NeuralStateSpaceBlock final : Block {
   static constexpr auto example = R"(
 blocks:
   u: {type: step, time: 1, before: 0, after: 1}
-  model: {type: neural_state_space, model: models/neural_state_space.yaml, in: {u: u}}  # x(k+1) = 0.5 x + tanh(u), y = x
-simulation: {stop: 20}
-record: [u, model.y]
-expect: [{signal: model.y, at: 20, value: 1.5231883119, abs: 1e-5}]
+  # x(k+1) = 0.5 x + tanh(u), y = x
+  net: {type: neural_state_space, model: models/neural_state_space.yaml, in: {u: u}}
+simulation: {stop: 5}
+record: [u, net.y]
+expect: [{signal: net.y, at: 5, value: 1.5231883119, abs: 1e-5}]
 )";
 
   Text model{this, "model", {.doc = "the model file, as identification writes it", .file = true}};
@@ -49,11 +50,10 @@ expect: [{signal: model.y, at: 20, value: 1.5231883119, abs: 1e-5}]
     const auto loaded = identify::load_model(path);
     if (!loaded->error.empty()) return checking.problem(model, loaded->error);
     if (loaded->neural) return;
+    if (loaded->linear)
+      return checking.problem(model, fmt::format("'{}' holds a linear model; the block linear_model runs it", path));
     checking.problem(model, fmt::format("'{}' holds a model of type '{}'; the block {} runs it", path,
-                                        loaded->linear ? "linear model" : loaded->map->type(),
-                                        loaded->linear    ? "linear_model"
-                                        : loaded->dynamic ? "narx"
-                                                          : loaded->map->type()));
+                                        loaded->map->type(), loaded->dynamic ? "narx" : loaded->map->type()));
   }
 
   void sizes(Sizing& sizing) const override {

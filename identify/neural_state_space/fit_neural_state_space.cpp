@@ -444,6 +444,8 @@ void report_on(NeuralStateSpace& model, const DataSet& data, const Shapes& shape
   report.data = hash(data);
   report.options.push_back(fmt::format("decay {:g}", options.decay));
   for (std::string& warning : undetermined(data)) report.warnings.push_back(std::move(warning));
+  const Index missing = data.samples() * static_cast<Index>(data.outputs.size()) - targets;
+  if (missing > 0) report.warnings.push_back(fmt::format("{} missing outputs were left out.", missing));
   if (report.parameters > targets)
     report.warnings.push_back(
         fmt::format("There are {} parameters for {} measured outputs; weight decay, fewer neurons "

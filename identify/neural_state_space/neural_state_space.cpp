@@ -262,7 +262,8 @@ NeuralStateSpace neural_state_space_of(const Item& item) {
   if (item.has("delay")) {
     m.delay.clear();
     for (const double d : item.vector("delay")) {
-      if (!(d >= 0 && d <= 1e6) || d != std::floor(d)) item.at("delay").wrong("a delay is a number of samples, 0 or more");
+      if (!(d >= 0 && d <= 1e6) || d != std::floor(d))
+        item.at("delay").wrong("a delay is a number of samples, 0 or more");
       m.delay.push_back(static_cast<int>(d));
     }
   }

@@ -584,7 +584,7 @@ local function identify_output(output)
     -- Short records allow more.
     local more = math.max(1, math.min(4, math.floor(4 / work_of())))
     if s.projections > 0 then starts, refined = more * starts, more * refined end
-    if more > 1 then iterations = 2 * iterations end
+    iterations = more * iterations
     local work = work_of()
     if spent + work > neural_budget then return end
     local list = delays(s.d)
@@ -599,7 +599,7 @@ local function identify_output(output)
       return identify.neural_state_space(x, {order = s.order, hidden = s.hidden, output_hidden = s.out, projections = s.projections,
         integrating = s.integrating, feedthrough = s.d < 0, delay = list, decay = s.decay, starts = starts, refined = refined,
         iterations = iterations, seed = seed})
-    end, function(x, model) return model:fit_free_run(x, {iterations = 150, decay = s.decay}) end)
+    end, function(x, model) return model:fit_free_run(x, {iterations = x.samples < 3000 and 400 or 150, decay = s.decay}) end)
     budget = kept
     if candidate and candidate.held < math.huge and (not best_neural or candidate.held < best_neural.held) then
       best_neural = candidate

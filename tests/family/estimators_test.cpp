@@ -23,6 +23,7 @@
 #include "identify/mlp/fit_mlp.h"
 #include "identify/mlp/prune.h"
 #include "identify/model_file/model_file.h"
+#include "identify/neural_state_space/fit_neural_state_space.h"
 #include "identify/random.h"
 #include "identify/rbf/rbf_network.h"
 #include "identify/validation/folds.h"
@@ -130,6 +131,12 @@ const std::vector<Estimator>& estimators() {
        }},
       {"narmax", [narmax](const DataSet& d) { return learned(d, fit_narx_mlp(d, two_lags(d), {}, narmax).model); }},
       {"nbj", [nbj](const DataSet& d) { return learned(d, fit_narx_mlp(d, two_lags(d), {}, nbj).model); }},
+      {"neural_state_space",
+       [](const DataSet& d) {
+         const NeuralStateSpace m = fit_neural_state_space(
+             d, {.order = 2, .hidden = {3}, .output_hidden = {2}, .iterations = 15, .starts = 3, .refined = 1});
+         return Fitted{m.fit, simulate(m, d), to_yaml("neural_state_space", to_item(m))};
+       }},
       of_rows("rbf_ols", rbf(RbfCentres::ols)),
       of_rows("rbf_box", rbf(RbfCentres::box)),
       of_rows("rbf_spread", rbf(RbfCentres::spread)),

@@ -80,6 +80,7 @@ const std::vector<Door>& doors() {
       {"benchmark/", {"bench"}},
       // The operating system.
       {"unistd.h", {"engine/base", "app", "tests", "scripts/host"}},
+      {"malloc.h", {"tests"}},
       {"fcntl.h", {"engine/base", "tests", "scripts/host"}},
       {"sys/", {"engine/base", "app", "tests", "scripts/host"}},
       {"dlfcn.h", {"render/gl", "identify/dense", "bench"}},

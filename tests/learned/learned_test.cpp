@@ -13,6 +13,7 @@
 #include "identify/model_file/model_file.h"
 #include "identify/narx/load.h"
 #include "identify/narx/regression_narx.h"
+#include "identify/neural_state_space/neural_state_space.h"
 #include "tests/blocks/diagrams.h"
 
 namespace plantloop::testing_diagrams {
@@ -135,6 +136,56 @@ TEST(Narx, SaysWhichPortsAModeHas) {
   EXPECT_THAT(
       findings("blocks: {m: {type: narx, model: tests/blocks/models/mlp.yaml, in: {u: 0}}}\nsimulation: {stop: 1}\n"),
       HasSubstr("the model 'tests/blocks/models/mlp.yaml' has no regressors; the block mlp runs it"));
+}
+
+// Inputs that act late, an output that reads them, networks of both: the free run of the library, bit for bit.
+TEST(NeuralStateSpace, GivesTheFreeRunOfTheLibrary) {
+  using namespace identify;
+  Random random(4);
+  plantloop::identify::NeuralStateSpace m;
+  m.inputs = {{"u1", ""}, {"u2", ""}};
+  m.outputs = {{"y1", ""}, {"y2", ""}};
+  m.Ts = 0.5;
+  m.delay = {2, 0};
+  Network f = make_network(5, {4}, 3, Activation::tanh, Activation::linear, true);
+  Network g = make_network(5, {2}, 2, Activation::sigmoid, Activation::linear, true);
+  randomise(f, 0.3, random);
+  randomise(g, 0.5, random);
+  m.transition = std::make_shared<Mlp>(f, no_scaling(5), no_scaling(3));
+  m.output = std::make_shared<Mlp>(g, no_scaling(5), no_scaling(2));
+  m.deviations = Eigen::VectorXd::Ones(2);
+  const std::string path = place("neural.yaml");
+  std::ofstream(path) << to_yaml("neural_state_space", to_item(m));
+  const Signals r =
+      run("blocks:\n  a: {type: random_levels, generator: lcg, seed: 7, lower: -1, upper: 1, hold: 2, rate: "
+          "0.5}\n  m: {type: neural_state_space, model: " +
+          path + ", in: {u: '[a, a^2]'}}\nsimulation: {stop: 20}\nrecord: [a, m.y]\n");
+  const std::vector<double> a = r.samples("a"), y1 = r.samples("m.y.1"), y2 = r.samples("m.y.2");
+  const auto n = static_cast<Eigen::Index>(a.size());
+  ASSERT_EQ(n, 41);
+  Eigen::MatrixXd u(n, 2);
+  u.col(0) = Eigen::VectorXd::Map(a.data(), n);
+  u.col(1) = u.col(0).cwiseAbs2();
+  const Eigen::MatrixXd y =
+      simulate(m, make_data_set(u, Eigen::MatrixXd::Zero(n, 2), 0.5, m.inputs, m.outputs), StateStart::zero)[0];
+  for (Eigen::Index k = 0; k < n; ++k) {
+    EXPECT_EQ(y1[static_cast<std::size_t>(k)], y(k, 0)) << k;
+    EXPECT_EQ(y2[static_cast<std::size_t>(k)], y(k, 1)) << k;
+  }
+}
+
+TEST(NeuralStateSpace, NamesTheBlockThatRunsAnotherModel) {
+  const auto said = [](const std::string& type, const std::string& file) {
+    return findings("blocks: {m: {type: " + type + ", model: tests/blocks/models/" + file +
+                    ".yaml, in: {u: 0}}}\nsimulation: {stop: 1}\n");
+  };
+  EXPECT_THAT(said("neural_state_space", "narx"), HasSubstr("; the block narx runs it"));
+  EXPECT_THAT(said("neural_state_space", "linear_model"),
+              HasSubstr("holds a linear model; the block linear_model runs it"));
+  EXPECT_THAT(said("narx", "neural_state_space"),
+              HasSubstr("holds a neural state-space model; the block neural_state_space runs it"));
+  EXPECT_THAT(said("linear_model", "neural_state_space"),
+              HasSubstr("holds a neural state-space model; the block neural_state_space runs it"));
 }
 
 TEST(LinearModel, StartsAtItsOperatingPointOrAtRest) {

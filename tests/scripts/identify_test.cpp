@@ -101,6 +101,23 @@ TEST_F(Identification, ModelsComeBackFromTheirFiles) {
   EXPECT_THAT(read("m1.yaml"), HasSubstr("plantloop_model: 1\ntype: linear_model\nstructure: OE\nTs: 0.1\n"));
 }
 
+TEST_F(Identification, LearnsNeuralStateSpaceModels) {
+  EXPECT_THAT(with_data(R"lua(
+      local short = data:part(1, 150)
+      local m = identify.neural_state_space(short, {order = 1, hidden = 2, output_hidden = {3}, starts = 2, iterations = 20})
+      m:save("n.yaml")
+      local again = identify.load("n.yaml")
+      print(again:simulate(short) == m:simulate(short), again:simulate(short, {start = "zero"}) == m:simulate(short))
+      print(m.order, m.Ts, #m.deviations, #m.report.tried > 0)
+      local better = m:fit_free_run(short, {iterations = 30})
+      print(better.report.reached < m.report.reached)
+      print(select(2, pcall(identify.neural_state_space, short, {neurons = 3})))
+      print(select(2, pcall(m.simulate, m, short, {start = "rest"}))))lua"),
+              testing::AllOf(HasSubstr("true\tfalse\n1\t0.1\t1\ttrue\ntrue\n"),
+                             HasSubstr("the options of neural_state_space: there is no 'neurons'"),
+                             HasSubstr("estimated or zero")));
+}
+
 TEST_F(Identification, LearnsNetworksLocalModelsAndGaussianProcesses) {
   EXPECT_EQ(with_data(R"lua(
       local regressors = "y(k-1), u(k-1)"
