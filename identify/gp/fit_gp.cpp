@@ -90,6 +90,7 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
     report.method = "hyperparameters as given";
     report.seed = 0;
     report.reached = model.log_likelihood();
+    report.tried = {fmt::format("given hyperparameters: log likelihood {:.6g}", report.reached)};
     report.stopped = "nothing was trained";
     warn_of_numbers(model, report.warnings);
     return {std::move(model), std::move(report), {}};

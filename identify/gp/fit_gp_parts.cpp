@@ -60,8 +60,8 @@ void warn_of_data(const MatrixXd& x, Index inputs, const VectorXd& y, std::vecto
 void warn_of_numbers(const GpPosterior& model, std::vector<std::string>& warnings) {
   if (model.jitter() > 0)
     warnings.push_back(fmt::format(
-        "The covariances were singular to working precision; a jitter of {:.2g} was added to their diagonal.",
-        model.jitter()));
+        "The covariances{} were singular to working precision; a jitter of {:.2g} was added to their diagonal.",
+        model.is_sparse() ? " of the inducing inputs" : "", model.jitter()));
   const double scale = model.covariance().at(model.hyperparameters().theta, model.x()).mean();
   if (model.hyperparameters().v0 < 1e-9 * scale)
     warnings.push_back(fmt::format(

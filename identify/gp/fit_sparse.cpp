@@ -39,11 +39,24 @@ std::vector<Index> drawn_rows(Index rows, Index count, std::uint64_t seed) {
   return all;
 }
 
+// N M, when it can be held.
+double size_of(const MatrixXd& x, const SparseOptions& sparse) {
+  const Index wanted = sparse.inputs.size() > 0 ? sparse.inputs.rows() : sparse.inducing;
+  const Index count = std::min(wanted, std::max(x.rows(), sparse.inputs.rows()));
+  const double cells = static_cast<double>(x.rows()) * static_cast<double>(count);
+  // About seven matrices of that size.
+  if (cells > 5e7)
+    fail("{} rows through {} inducing inputs need about {:.0f} GB; choose fewer inducing inputs or rows", x.rows(),
+         count, std::ceil(cells * 8 * 7 / 1e9));
+  return cells;
+}
+
 MatrixXd first_inducing(const MatrixXd& x, const GpOptions& options, const SparseOptions& sparse,
                         std::vector<std::string>& warnings) {
   if (sparse.inputs.size() > 0) {
     if (sparse.inputs.cols() != x.cols())
       fail("the inducing inputs have {} columns, the data {} inputs", sparse.inputs.cols(), x.cols());
+    if (!sparse.inputs.allFinite()) throw IdentifyError("an inducing input is not a finite number");
     return sparse.inputs;
   }
   if (sparse.inducing < 1) fail("the number of inducing inputs is {}; it must be 1 or more", sparse.inducing);
@@ -110,11 +123,8 @@ SparseFit fit_sparse(const MatrixXd& x, const VectorXd& y, const GpOptions& opti
   report.samples = y.size();
   report.seed = options.seed;
   warn_of_data(x, x.cols(), y, report.warnings);
+  const double cells = size_of(x, sparse);
   const MatrixXd u = first_inducing(x, options, sparse, report.warnings);
-  const double cells = static_cast<double>(x.rows()) * static_cast<double>(u.rows());
-  if (cells > 5e7)
-    fail("{} rows through {} inducing inputs need about {:.0f} GB; choose fewer inducing inputs or rows", x.rows(),
-         u.rows(), std::ceil(cells * 8 * 7 / 1e9));
   report.options = {fmt::format("covariance {}", covariance->name()), fmt::format("mean {}", options.mean),
                     fmt::format("approximation {}", name_of(sparse.method)),
                     fmt::format("inducing inputs {}{}", u.rows(), sparse.hold ? ", held" : "")};
@@ -125,6 +135,7 @@ SparseFit fit_sparse(const MatrixXd& x, const VectorXd& y, const GpOptions& opti
     report.parameters = options.start->theta.size() + 1;
     report.seed = 0;
     report.reached = model.log_likelihood();
+    report.tried = {fmt::format("{} at the given hyperparameters: {:.6g}", criterion, report.reached)};
     report.stopped = "nothing was trained";
     warn_of_inducing(u, report.warnings);
     warn_of_numbers(model, report.warnings);

@@ -77,6 +77,8 @@ GaussianProcess::GaussianProcess(std::shared_ptr<const Covariance> covariance, M
   check_data(x_, y_);
   MatrixXd k = covariance_->lower(hyperparameters_.theta, x_);
   k.diagonal() += hyperparameters_.v0 * covariance_->noise_weight(x_);
+  if (!k.allFinite())
+    throw IdentifyError("a covariance is not a finite number: hyperparameters or inputs are too large");
   if (!factorise_with_jitter(k, 0, 1e-4))
     fail(
         "the covariances of the {} points are not positive definite, even with a jitter of 1e-4 of their mean; "

@@ -169,6 +169,8 @@ SparseGaussianProcess::SparseGaussianProcess(SparseMethod method, std::shared_pt
   if (!(hyperparameters_.v0 > 0))
     fail("the noise variance v0 is {:g}; a sparse process needs one greater than 0", hyperparameters_.v0);
   Seen s = see(method, *covariance_, mean_, hyperparameters_, x, y, x_);
+  if (!s.kuu.allFinite())
+    throw IdentifyError("a covariance is not a finite number: hyperparameters or inputs are too large");
   if (s.jitter < 0)
     throw IdentifyError(
         "the covariances of the inducing inputs are not positive definite; choose fewer of them, or farther apart");

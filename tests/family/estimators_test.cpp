@@ -89,6 +89,12 @@ const std::vector<Estimator>& estimators() {
   GpOptions restarts = gp;
   restarts.starts = 3;
   restarts.max_iterations = 5;
+  const auto sparse = [restarts](const DataSet& d, SparseMethod method) {
+    GpModelOptions options{.process = restarts};
+    options.process.max_iterations = 15;
+    options.sparse = SparseOptions{.method = method, .inducing = 12};
+    return learned(d, fit_narx_gp(d, two_lags(d), options));
+  };
   const auto rbf = [](RbfCentres centres) {
     return [centres](const MatrixXd& X, const MatrixXd& Y) {
       RbfOptions options;
@@ -147,6 +153,16 @@ const std::vector<Estimator>& estimators() {
        [restarts](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), restarts)); }},
       {"gaussian_process_of_a_subset",
        [gp](const DataSet& d) { return learned(d, fit_narx_gp(d, two_lags(d), {.process = gp, .most = 40})); }},
+      {"gaussian_process_at_given_hyperparameters",
+       [gp](const DataSet& d) {
+         GpModelOptions at{.process = gp};
+         at.process.covariance = "linear";
+         at.process.max_iterations = 0;
+         at.given = {{VectorXd::Ones(two_lags(d).size() + 1), 0.01}};
+         return learned(d, fit_narx_gp(d, two_lags(d), at));
+       }},
+      {"gaussian_process_fitc", [sparse](const DataSet& d) { return sparse(d, SparseMethod::fitc); }},
+      {"gaussian_process_vfe", [sparse](const DataSet& d) { return sparse(d, SparseMethod::vfe); }},
   };
   return all;
 }

@@ -326,6 +326,66 @@ TEST(Narx, CarriesTheUncertaintyOfAGaussianProcessAlong) {
   }
 }
 
+// Through inducing inputs: the blocks narx and gaussian_process give the numbers of the library, with exact
+// derivatives.
+TEST(Narx, RunsSparseGaussianProcessesAsTheLibraryDoes) {
+  using namespace identify;
+  const Signals recorded = run(system + "simulation: {stop: 150}\nrecord: [u, y]\n");
+  const DataSet data = data_of(recorded);
+  for (const SparseMethod method : {SparseMethod::fitc, SparseMethod::vfe}) {
+    GpModelOptions options;
+    options.process.starts = 1;
+    options.process.max_iterations = 20;
+    options.sparse = SparseOptions{.method = method, .inducing = 15, .refined = 1};
+    const NarxModel model = fit_narx_gp(data, parse_regressors("y(k-1), u(k-1)", data), options);
+    const std::string file = place(name_of(method) + ".yaml");
+    std::ofstream(file) << to_yaml(model);
+    const Signals r = run(system + "  one: {type: narx, mode: one_step, in: {u: u, y: y}, model: " + file + "}\n" +
+                          "  free: {type: narx, in: {u: u}, propagation: moment_matching, model: " + file +
+                          "}\nsimulation: {stop: 30}\nrecord: [u, y, one.y, free.y, free.variance]\n");
+    const DataSet short_run = data_of(r);
+    const Eigen::MatrixXd one = one_step(model, short_run)[0];
+    const std::vector<double> found = r.samples("one.y"), mean = r.samples("free.y"),
+                              variance = r.samples("free.variance");
+    for (std::size_t k = 1; k < found.size(); ++k) EXPECT_EQ(found[k], one(static_cast<Eigen::Index>(k), 0));
+    Eigen::MatrixXd u = Eigen::MatrixXd::Zero(short_run.samples() + 1, 1), y = u;
+    u.bottomRows(short_run.samples()) = short_run.experiments[0].u;
+    const DataSet begun = make_data_set(u, y, 0.5, {{"u", ""}}, {{"y", ""}});
+    const Eigen::MatrixXd expected = simulate_uncertain(model, begun, Propagation::moment_matching)[0];
+    for (std::size_t k = 0; k < mean.size(); ++k) {
+      EXPECT_EQ(mean[k], expected(static_cast<Eigen::Index>(k) + 1, 0)) << k;
+      EXPECT_NEAR(variance[k], expected(static_cast<Eigen::Index>(k) + 1, 1), 1e-14) << k;
+    }
+  }
+}
+
+TEST(GaussianProcess, RunsASparseOneAsTheLibraryDoes) {
+  using namespace identify;
+  Random random(5);
+  Eigen::MatrixXd x(200, 1), y(200, 1);
+  for (Eigen::Index i = 0; i < 200; ++i) {
+    x(i, 0) = random.uniform(-2, 2);
+    y(i, 0) = std::sin(2 * x(i, 0)) + 0.1 * random.normal();
+  }
+  const DataSet data = make_data_set(x, y, 1, {{"x", ""}}, {{"y", ""}});
+  GpModelOptions options;
+  options.process.starts = 1;
+  options.process.max_iterations = 20;
+  options.sparse = SparseOptions{.method = SparseMethod::vfe, .inducing = 12, .refined = 1};
+  const NarxModel model = fit_narx_gp(data, parse_regressors("x(k)", data), options);
+  const std::string file = place("sparse_map.yaml");
+  std::ofstream(file) << to_yaml(model);
+  const Signals r = run("blocks: {gp: {type: gaussian_process, model: " + file +
+                        ", in: {x: 0.4}}}\nsimulation: {stop: 1}\nrecord: [gp.y, gp.variance]\n");
+  const double at_x = 0.4;
+  double mean = 0, variance = 0;
+  model.map->evaluate(&at_x, &mean, nullptr);
+  model.map->variance(&at_x, &variance, nullptr);
+  EXPECT_EQ(r.samples("gp.y").front(), mean);
+  EXPECT_EQ(r.samples("gp.variance").front(), variance);
+  EXPECT_NEAR(mean, std::sin(0.8), 0.1);
+}
+
 // Of two outputs, both fed back: means, variances and the covariance of the two.
 TEST(Narx, CarriesTheCovarianceOfTwoOutputsAlong) {
   using namespace identify;

@@ -294,6 +294,52 @@ TEST_F(Identification, EvaluatesGaussianProcessesOfDataSetsAndSeveralOutputs) {
             "true\n0.000000000000 0.000000000000\n0.000000000000\ntrue");
 }
 
+TEST_F(Identification, SeesLargeSetsThroughInducingInputs) {
+  // At given hyperparameters and inducing inputs: numbers of 40 digits, as in the tests of identify/gp.
+  EXPECT_EQ(printed(seven_points + R"lua(
+      how.inducing = {{-0.80, -0.60}, {0.20, 0.40}, {1.10, -0.05}}
+      for _, approximation in ipairs{"fitc", "vfe"} do
+        how.approximation = approximation
+        local s = gp(X, y, how)
+        local g, by_inducing = s:gradient()
+        local mean, variance = s:predict{{0.25, -0.40}}
+        print(("%.10f %.10f %.10f %.10f %.10f"):format(s:log_likelihood(), g.w1, by_inducing(1, 2), mean[1], variance[1]))
+        print(s:inducing()[3] == pl.vector{1.10, -0.05}, ("%.10f"):format(s:leave_one_out().mean[7]))
+      end)lua"),
+            "-7.5605277059 -0.2373328278 0.8215213055 0.3036813932 0.4485611709\ntrue\t0.7805603923\n-33.3319176365 "
+            "-9.9896577167 0.0490303089 0.3889771182 0.3754675775\ntrue\t1.4100826366");
+  EXPECT_THAT(
+      printed(R"lua(local identify = pl.identify
+      local u = identify.white_noise{samples = 400, deviation = 1, seed = 2}
+      local e = identify.white_noise{samples = 400, deviation = 0.03, seed = 3}
+      local y = pl.zeros(400)
+      local function bend(x) return x / math.sqrt(1 + x * x) end
+      for k = 2, 400 do y[k] = y[k - 1] - 0.5 * bend(y[k - 1] + u[k - 1]^3) + e[k] end
+      local train, test = identify.data{u = u, y = y, Ts = 0.5}:split(0.75)
+      local m = identify.gaussian_process(train, {regressors = "y(k-1), u(k-1)", approximation = "vfe", inducing = 25,
+                                                  starts = 1, refined = 1, iterations = 30})
+      print(m.type, #m:inducing(), m.report.samples, identify.metrics(test.y, m:simulate(test)).FIT > 80)
+      local mean, variance = m:uncertain(test)
+      print(#mean, variance[20] > 0)
+      m:save "sparse.yaml"
+      local back = identify.load "sparse.yaml"
+      print(back:simulate(test) == m:simulate(test), back:log_likelihood() == m:log_likelihood())
+      local more, from_file = m:add(test), back:add(test)
+      print(more.report.samples, pl.max(pl.abs(more:simulate(test) - from_file:simulate(test))) < 1e-6)
+      print(select(2, pcall(function() back:gradient() end))))lua"),
+      ::testing::AllOf(HasSubstr("gaussian_process\t25\t299.0\ttrue\n100\ttrue\ntrue\ttrue\n398.0\ttrue\n"),
+                       HasSubstr("the gradient of a sparse process needs its data, which a model file does not hold")));
+  const auto said = [&](const std::string& script) { return complaint(seven_points + script); };
+  EXPECT_THAT(said("gp(X, y, {approximation = 'dtc'})"), HasSubstr("'approximation' must be subset, fitc or vfe"));
+  EXPECT_THAT(said("gp(X, y, {inducing = 5})"), HasSubstr("'inducing' is for approximation = \"fitc\" or \"vfe\""));
+  EXPECT_THAT(said("gp(X, y, {approximation = 'fitc', points = 5})"),
+              HasSubstr("'points' is for approximation = \"subset\"; all rows are seen through the inducing inputs"));
+  EXPECT_THAT(said("m:inducing()"), HasSubstr("this process knows its points themselves; approximation = \"fitc\" or "
+                                              "\"vfe\" has inducing inputs"));
+  EXPECT_THAT(said("gp(X, y, {approximation = 'fitc', inducing = {{1, 2, 3}}})"),
+              HasSubstr("the inducing inputs have 3 columns, the data 2 inputs"));
+}
+
 TEST_F(Identification, SaysWhatIsWrongWithGivenHyperparameters) {
   const auto said = [&](const std::string& script) { return complaint(seven_points + script); };
   EXPECT_THAT(said("gp(X, y, {hyperparameters = {w1 = 1, v1 = 1, v0 = 1}})"),

@@ -10,6 +10,7 @@
 
 #include "identify/data/excitation.h"
 #include "identify/gp/covariance.h"
+#include "identify/gp/fit_sparse.h"
 #include "identify/gp/gaussian_process.h"
 #include "identify/linear/regression_model.h"
 #include "identify/random.h"
@@ -75,6 +76,31 @@ TEST(Memory, OfALikelihoodWithGradientIsAFewMatricesOfCovariances) {
   const double matrix = 8.0 * n * n;
   EXPECT_GT(grown, matrix);       // something was measured
   EXPECT_LT(grown, 10 * matrix);  // of 4000 points: 1.3 GB
+}
+
+TEST(Memory, OfASparseProcessOfTwentyThousandSamplesIsAFewOfItsCovariances) {
+  if (!is_measured()) GTEST_SKIP() << "sanitizers need memory of their own";
+  constexpr Index n = 20000;
+  constexpr int m = 100;
+  const double grown = peak_of([n] {
+    Random random(1);
+    MatrixXd x(n, 8);
+    VectorXd y(n);
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j < 8; ++j) x(i, j) = random.normal();
+      y[i] = std::sin(x(i, 0)) + 0.1 * random.normal();
+    }
+    GpOptions options;
+    options.starts = 1;
+    options.max_iterations = 2;
+    SparseOptions sparse;
+    sparse.inducing = m;
+    sparse.refined = 1;
+    if (!std::isfinite(fit_sparse(x, y, options, sparse).report.reached)) _exit(2);
+  });
+  const double matrix = 8.0 * n * m;
+  EXPECT_GT(grown, matrix);       // something was measured
+  EXPECT_LT(grown, 12 * matrix);  // 192 MB
 }
 
 TEST(Memory, OfAPolynomialOfTwentyThousandSamplesIsThatOfItsRegressors) {
