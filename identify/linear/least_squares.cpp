@@ -3,6 +3,7 @@
 #include "identify/linear/least_squares.h"
 
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 #include <limits>
 
@@ -64,26 +65,31 @@ LeastSquares least_squares(const MatrixXd& X, const VectorXd& y, const LeastSqua
   qr.compute(A);
   LeastSquares fit;
   fit.rank = qr.rank();
-  fit.theta = scale.cwiseInverse().asDiagonal() * qr.solve(b);
+  const Index rank = fit.rank;
+  const MatrixXd R = qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
+  // A basic solution: qr.solve() would divide by the pivots beyond the rank, which are rounding.
+  b.applyOnTheLeft(qr.householderQ().adjoint());
+  VectorXd basic = VectorXd::Zero(p);
+  basic.head(rank) = R.triangularView<Eigen::Upper>().solve(b.head(rank));
+  fit.theta = scale.cwiseInverse().asDiagonal() * (qr.colsPermutation() * basic);
   fit.residuals = y - X * fit.theta;
   fit.sse = fit.residuals.squaredNorm();
-  const Index freedom = X.rows() - fit.rank;
+  const Index freedom = X.rows() - rank;
   fit.s2 = freedom > 0 ? fit.sse / static_cast<double>(freedom) : std::numeric_limits<double>::quiet_NaN();
-  const auto diagonal = qr.matrixQR().diagonal().cwiseAbs();
-  if (fit.rank > 0) fit.condition = diagonal[0] / diagonal[fit.rank - 1];
+  if (rank > 0) {
+    const VectorXd singular = Eigen::BDCSVD<MatrixXd>(R).singularValues();
+    fit.condition = singular[0] / singular[rank - 1];
+  }
 
   fit.covariance = MatrixXd::Zero(p, p);
-  const MatrixXd R_inverse = qr.matrixQR()
-                                 .topLeftCorner(fit.rank, fit.rank)
-                                 .triangularView<Eigen::Upper>()
-                                 .solve(MatrixXd::Identity(fit.rank, fit.rank));
+  const MatrixXd R_inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank, rank));
   const MatrixXd core = R_inverse * R_inverse.transpose();
   const auto& order = qr.colsPermutation().indices();
   for (Index i = 0; i < p; ++i) {
     for (Index j = 0; j < p; ++j) {
       const Index at_i = order[i];
       const Index at_j = order[j];
-      if (i < fit.rank && j < fit.rank) {
+      if (i < rank && j < rank) {
         fit.covariance(at_i, at_j) = fit.s2 * core(i, j) / (scale[at_i] * scale[at_j]);
       } else if (i == j) {
         fit.covariance(at_i, at_i) = std::numeric_limits<double>::infinity();

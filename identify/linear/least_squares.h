@@ -22,7 +22,7 @@ struct LeastSquares {
   double sse = 0;              // sum of squared residuals
   double s2 = 0;               // sse/(rows - rank): the noise's variance, (2.21) of the book; NaN when rows = rank
   Eigen::Index rank = 0;
-  double condition = 1;  // of X with columns scaled to length 1: ratio of R's extreme diagonal entries
+  double condition = 1;  // in the 2-norm, of the columns that have parameters, scaled to length 1
   std::vector<std::string> warnings;
 
   // What was tried, for a report: "QR with pivots: rank 3 of 4, condition 120".
@@ -31,8 +31,8 @@ struct LeastSquares {
 };
 
 // X: rows x parameters, y: rows. Fewer rows than parameters and dependent columns are no errors: parameters that the
-// data do not determine are 0, and a warning counts them. Raises IdentifyError for sizes that differ and for numbers
-// that are not finite.
+// data do not determine are 0 (a basic solution: the other columns alone), and a warning counts them. Raises
+// IdentifyError for sizes that differ and for numbers that are not finite.
 LeastSquares least_squares(const Eigen::MatrixXd& X, const Eigen::VectorXd& y, const LeastSquaresOptions& options = {});
 
 }  // namespace plantloop::identify

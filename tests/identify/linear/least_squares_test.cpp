@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
@@ -85,6 +86,48 @@ TEST(LeastSquares, DependentAndConstantColumnsGiveAWarningAndZeros) {
       fit.warnings[0],
       "the data determine only 2 of 4 parameters: 2 are set to 0. The input does not excite the process enough, or "
       "a regressor is a combination of others");
+}
+
+// The pivots beyond the rank are rounding; dividing by them gave 4e13 and -4e13.
+TEST(LeastSquares, EqualAndProportionalColumnsGiveOneOfThemTheWholeWeight) {
+  for (int seed = 1; seed <= 20; ++seed) {
+    const VectorXd a = random_matrix(100, 1, seed);
+    for (const double factor : {1.0, 1e6, 1e-9, 1.0 / 3}) {
+      MatrixXd X(100, 3);
+      X << a, factor * a, 7.3 * a;
+      const LeastSquares fit = least_squares(X, a.array() + 0.1);
+      EXPECT_EQ(fit.rank, 1);
+      EXPECT_EQ((fit.theta.array() != 0).count(), 1);
+      const LeastSquares alone = least_squares(a, a.array() + 0.1);
+      EXPECT_NEAR((X * fit.theta - a * alone.theta).norm(), 0, 1e-12);
+      EXPECT_EQ(fit.condition, 1);
+      // What is not determined has no finite variance, what is has the variance it has alone.
+      EXPECT_EQ(fit.covariance.diagonal().array().isInf().count(), 2);
+    }
+  }
+}
+
+TEST(LeastSquares, ConstantColumnsShareNothing) {
+  const VectorXd a = random_matrix(100, 1, 1), e = 0.1 * random_matrix(100, 1, 2);
+  for (const double level : {2.0, 0.1, 7.3, 1e6, 1.0 / 3}) {
+    MatrixXd X(100, 3);
+    X.col(0) = a;
+    X.rightCols(2).setConstant(level);
+    const LeastSquares fit = least_squares(X, a + e + VectorXd::Constant(100, 3));
+    EXPECT_EQ(fit.rank, 2);
+    EXPECT_EQ((fit.theta.array() == 0).count(), 1);
+    EXPECT_NEAR(fit.theta[0], 1, 0.1);
+    EXPECT_NEAR((fit.theta[1] + fit.theta[2]) * level, 3, 0.1);
+  }
+}
+
+TEST(LeastSquares, TheConditionIsThatOfTheSingularValues) {
+  MatrixXd X = random_matrix(40, 5, 11);
+  X.col(3) = X.col(0) + 1e-3 * X.col(3);
+  const MatrixXd scaled = X * X.colwise().norm().cwiseInverse().asDiagonal();
+  const VectorXd squares = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled.transpose() * scaled).eigenvalues();
+  const LeastSquares fit = least_squares(X, random_matrix(40, 1, 12));
+  EXPECT_NEAR(fit.condition, std::sqrt(squares[4] / squares[0]), 1e-6 * fit.condition);
 }
 
 TEST(LeastSquares, WithFewerRowsThanParametersFitsExactlyAndSaysSo) {
