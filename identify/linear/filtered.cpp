@@ -1,6 +1,6 @@
 // Iteratively filtered least squares (Steiglitz-McBride), and instrumental variables.
 
-#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +10,7 @@
 #include "identify/linear/filter.h"
 #include "identify/linear/fit_linear.h"
 #include "identify/linear/levenberg_marquardt.h"
+#include "identify/linear/signal_units.h"
 
 namespace plantloop::identify {
 namespace {
@@ -46,9 +47,20 @@ DataSet noise_free(const DataSet& data, std::size_t output, const PolynomialMode
   return result;
 }
 
-// theta with Z'(y - Psi theta) = 0.
-VectorXd solve_instruments(const MatrixXd& Z, const ArxRows& rows) {
-  return (Z.transpose() * rows.Psi).fullPivLu().solve(Z.transpose() * rows.y);
+// theta with Z'(y - Psi theta) = 0, by an orthonormal basis of the instruments, so that no condition is squared.
+// Parameters that they do not determine are 0, and a warning counts them.
+LeastSquares solve_instruments(const MatrixXd& Z, const ArxRows& rows) {
+  if (!Z.allFinite()) fail("the instruments overflow: the first estimate, of least squares, is of no use");
+  const VectorXd sizes = Z.colwise().stableNorm().transpose();
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(Z.rows(), Z.cols());
+  qr.setThreshold(1e-12);
+  qr.compute(Z * (sizes.array() > 0).select(sizes, 1.0).cwiseInverse().asDiagonal());
+  const Index rank = qr.rank();
+  if (rank == 0) fail("the instruments do not determine the parameters: the input does not excite the process");
+  MatrixXd both(Z.rows(), rows.Psi.cols() + 1);
+  both << rows.Psi, rows.y;
+  both.applyOnTheLeft(qr.householderQ().adjoint());
+  return least_squares(both.topLeftCorner(rank, rows.Psi.cols()), both.topRightCorner(rank, 1));
 }
 
 // The rows of one pass, of signals filtered by 1/F: y = [-y(k-i) | u_1(k-d-i) | ... | 1 | past of each experiment].
@@ -106,8 +118,11 @@ MatrixXd sandwich(const MatrixXd& phi, const MatrixXd& P, double s2) {
 PolynomialModel fit_filtered(const DataSet& data, const Orders& orders, const LinearOptions& options, int passes) {
   LinearTask task = prepare(data, orders, options);
   refuse_missing(task.data, "filtered least squares");
+  const SignalUnits units = units_of(task);
+  task = in_units(std::move(task), units);
   const Index na = task.orders.na;
   if (na == 0) fail("filtered least squares needs 'na' of 1 or more");
+  if (passes < 0) fail("the number of passes is {}; it must be 0 or more", passes);
   const auto output = static_cast<Index>(task.output);
   const Index p = task.parameters();
   // Of y about the level that the offset makes, each pass estimates by how much that level is wrong.
@@ -180,6 +195,7 @@ PolynomialModel fit_filtered(const DataSet& data, const Orders& orders, const Li
   model.fit.samples = rows.y.size();
   model.fit.parameters = p;
   model.fit.reached = fit.sse / static_cast<double>(rows.y.size());
+  restore(model, units);
   model.fit.options = options_of(options);
   model.fit.warnings.insert(model.fit.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
@@ -193,10 +209,12 @@ PolynomialModel fit_instrumental(const DataSet& data, const Orders& orders, cons
   LinearTask task = prepare(data, orders, options);
   refuse_missing(task.data, "the instrumental variables");
   if (task.orders.na == 0 || task.orders.nb.empty()) fail("instrumental variables need 'na' and an input");
+  const SignalUnits units = units_of(task);
+  task = in_units(std::move(task), units);
   PolynomialModel model = fit_arx(task, {});
   const ArxRows rows = arx_rows(task.data, task.orders, task.output, task.offset);
   const DataSet instruments = noise_free(task.data, task.output, model);
-  model.set_parameters(solve_instruments(arx_rows(instruments, task.orders, task.output, task.offset).Psi, rows));
+  model.set_parameters(solve_instruments(arx_rows(instruments, task.orders, task.output, task.offset).Psi, rows).theta);
   // An AR model of the equation error whitens it.
   LinearTask noise;
   noise.data.Ts = data.Ts;
@@ -224,24 +242,25 @@ PolynomialModel fit_instrumental(const DataSet& data, const Orders& orders, cons
   if (white.y.size() <= task.parameters()) {
     fail("{} rows with a whole past do not determine {} parameters", white.y.size(), task.parameters());
   }
-  const VectorXd theta = solve_instruments(Z, white);
+  const LeastSquares solved = solve_instruments(Z, white);
+  const VectorXd& theta = solved.theta;
   model.set_parameters(theta);
   const VectorXd e = white.y - white.Psi * theta;
   const double s2 = e.squaredNorm() / static_cast<double>(e.size() - theta.size());
-  model.covariance = s2 * (Z.transpose() * Z).inverse();
+  model.covariance = covariance_of(Z, s2);
   model.variance = s2;
-  const double first = model.fit.reached;
+  const double first = model.fit.reached, square = units.y * units.y;
   model.fit.method = "instrumental variables, four steps";
-  model.fit.tried = {fmt::format("ARX by least squares for the first instruments: mean square {:.6g}", first),
+  model.fit.tried = {fmt::format("ARX by least squares for the first instruments: mean square {:.6g}", square * first),
                      fmt::format("instruments and signals filtered by an AR model of order {}: mean square {:.6g}",
-                                 noise.orders.na, e.squaredNorm() / static_cast<double>(e.size()))};
+                                 noise.orders.na, square * e.squaredNorm() / static_cast<double>(e.size()))};
   model.fit.reached = e.squaredNorm() / static_cast<double>(e.size());
+  restore(model, units);
   model.fit.stopped = "solved directly";
   model.fit.warnings = undetermined(task.data);
-  if (!theta.allFinite())
-    fail("the instruments do not determine the parameters: the input does not excite the process");
+  for (const std::string& warning : solved.warnings) model.fit.warnings.push_back(warning);
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
-  warn_of_constant(model, e);
+  warn_of_constant(model, units.y * e);
   return model;
 }
 

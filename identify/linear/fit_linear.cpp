@@ -71,6 +71,8 @@ LinearTask prepare(const DataSet& data, Orders orders, const LinearOptions& opti
   for (const int n : orders.nb) check_order(n, 0, "nb");
   for (const int n : orders.nf) check_order(n, 0, "nf");
   for (const int d : orders.delay) check_order(d, -1, "delay");
+  if (options.iterations < 0) fail("the number of iterations is {}; it must be 0 or more", options.iterations);
+  if (!(options.ridge >= 0)) fail("the ridge is {:g}; it must be 0 or greater", options.ridge);
   if (orders.parameters() == 0) fail("the model has no parameters: all orders are 0");
   task.orders = std::move(orders);
   task.offset = options.offset;

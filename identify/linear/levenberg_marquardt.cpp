@@ -15,15 +15,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The step of min |J h + e|^2 + damping |diag(scale) h|^2 from the triangle R and Q'e of J's decomposition.
+// The step of min |J h + e|^2 + damping |diag(scale) h|^2 from the triangle R and Q'e of J's decomposition; solved for
+// diag(scale) h, so that it does not depend on the units of parameters.
 VectorXd damped_step(const MatrixXd& R, const VectorXd& Qe, const VectorXd& scale, double damping) {
   const Index p = R.cols();
   MatrixXd A(2 * p, p);
-  A.topRows(p) = R;
-  A.bottomRows(p) = MatrixXd((std::sqrt(damping) * scale).asDiagonal());
+  A.topRows(p) = R * scale.cwiseInverse().asDiagonal();
+  A.bottomRows(p) = MatrixXd::Identity(p, p) * std::sqrt(damping);
   VectorXd b = VectorXd::Zero(2 * p);
   b.head(p) = -Qe;
-  return A.colPivHouseholderQr().solve(b);
+  return A.householderQr().solve(b).cwiseQuotient(scale);
 }
 
 }  // namespace
@@ -36,7 +37,7 @@ MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& sta
   best.sse = best.residuals.squaredNorm();
   if (!std::isfinite(best.sse)) fail("the fit cannot begin: the prediction error at the start is not finite");
   const Index p = start.size();
-  VectorXd scale = VectorXd::Constant(p, 1e-300);
+  VectorXd scale = VectorXd::Zero(p);
   double damping = 1e-3;
   best.stopped = fmt::format("the limit of {} iterations", options.iterations);
 
@@ -45,6 +46,7 @@ MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& sta
     const VectorXd lengths = best.jacobian.colwise().norm();
     const VectorXd gradient = best.jacobian.transpose() * best.residuals;
     scale = scale.cwiseMax(lengths);
+    for (double& size : scale) size = size > 0 ? size : 1;
     if ((gradient.cwiseAbs() - options.gradient * std::sqrt(best.sse) * lengths).maxCoeff() <= 0) {
       best.stopped = "the gradient vanished";
       best.converged = true;
@@ -66,9 +68,10 @@ MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& sta
       VectorXd theta;
       double sse = std::numeric_limits<double>::infinity();
       small = damping > 1e20;
+      const double size = options.step * std::max(scale.cwiseProduct(best.theta).norm(), std::sqrt(best.sse));
       for (VectorXd& end : allowed ? allowed(best.theta + step) : std::vector<VectorXd>{best.theta + step}) {
         theta = std::move(end);
-        if ((theta - best.theta).cwiseAbs().maxCoeff() <= options.step * std::max(1.0, best.theta.norm())) small = true;
+        if (scale.cwiseProduct(theta - best.theta).cwiseAbs().maxCoeff() <= size) small = true;
         sse = residuals(theta, nullptr).squaredNorm();
         if (sse < best.sse) break;
       }
@@ -98,12 +101,15 @@ MarquardtResult minimise_squares(const Residuals& residuals, const VectorXd& sta
 }
 
 MatrixXd covariance_of(const MatrixXd& J, double s2) {
-  const VectorXd scale = J.colwise().norm().cwiseMax(1e-300);
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(J * scale.cwiseInverse().asDiagonal());
-  if (qr.rank() < J.cols()) {
-    return MatrixXd(VectorXd::Constant(J.cols(), std::numeric_limits<double>::infinity()).asDiagonal());
-  }
   const Index p = J.cols();
+  VectorXd scale = J.colwise().norm();
+  for (double& size : scale) size = size > 0 ? size : 1;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(J.rows(), p);
+  qr.setThreshold(1e-12);
+  qr.compute(J * scale.cwiseInverse().asDiagonal());
+  if (qr.rank() < p) {
+    return MatrixXd(VectorXd::Constant(p, std::numeric_limits<double>::infinity()).asDiagonal());
+  }
   MatrixXd R_inverse = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>().solve(MatrixXd::Identity(p, p));
   R_inverse = scale.cwiseInverse().asDiagonal() * (qr.colsPermutation() * R_inverse);
   return s2 * R_inverse * R_inverse.transpose();

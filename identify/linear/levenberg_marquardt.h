@@ -18,7 +18,8 @@ using Residuals = std::function<Eigen::VectorXd(const Eigen::VectorXd& theta, Ei
 struct MarquardtOptions {
   int iterations = 200;     // at most
   double gradient = 1e-12;  // stop when |J_i'e| <= gradient |J_i| |e| for all columns i
-  double step = 1e-13;      // stop when no parameter moves by more than this part of the norm of theta (or of 1)
+  // stop when no |J_i| |change of theta_i| is more than this part of the norm of all |J_i| theta_i (or of |e|)
+  double step = 1e-13;
 };
 
 struct MarquardtResult {
@@ -40,8 +41,8 @@ MarquardtResult minimise_squares(const Residuals& residuals, const Eigen::Vector
                                  const MarquardtOptions& options = {}, const Allowed& allowed = {},
                                  const FitControl& control = {});
 
-// The covariance of parameters whose residuals have the variance s2 and this Jacobian: s2 (J'J)^-1; infinite on the
-// diagonal where J does not determine them.
+// The covariance of parameters whose residuals have the variance s2 and this Jacobian: s2 (J'J)^-1; all variances are
+// infinite where J does not determine all of them (its rank by QR, columns scaled to length 1, is less at 1e-12).
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& jacobian, double s2);
 
 }  // namespace plantloop::identify

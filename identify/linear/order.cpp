@@ -9,6 +9,7 @@
 
 #include "identify/error.h"
 #include "identify/linear/arx.h"
+#include "identify/linear/least_squares.h"
 #include "identify/validation/metrics.h"
 
 namespace plantloop::identify {
@@ -92,16 +93,15 @@ ArxTable arx_table(const DataSet& given, const OrderRange& range, const LinearOp
           X.middleCols(na + i * nb, nb) = R.middleCols(range.na_most + i * width + delay - range.delay_least, nb);
         }
         if (task.offset) X.rightCols(1) = R.col(R.cols() - 2);
-        const Eigen::ColPivHouseholderQR<MatrixXd> qr(X);
-        const VectorXd theta = qr.solve(R.rightCols(1));
-        c.sse = (R.rightCols(1) - X * theta).squaredNorm();
+        const LeastSquares fit = least_squares(X, R.rightCols(1));
+        c.sse = fit.sse;
         c.aic = akaike(c.sse, samples, c.parameters);
         c.mdl = minimum_description_length(c.sse, samples, c.parameters);
         c.fpe = final_prediction_error(c.sse, samples, c.parameters);
         LinearTask own = task;
         own.orders = c.orders;
         PolynomialModel model = begin_model(own);
-        model.set_parameters(theta);
+        model.set_parameters(fit.theta);
         c.simulated = free_run(model, validation != nullptr ? *validation : given);
         table.candidates.push_back(std::move(c));
       }

@@ -13,6 +13,7 @@
 #include "identify/linear/filter.h"
 #include "identify/linear/levenberg_marquardt.h"
 #include "identify/linear/prediction_error.h"
+#include "identify/linear/signal_units.h"
 
 namespace plantloop::identify {
 namespace {
@@ -243,7 +244,7 @@ void warn_of_the_start(PolynomialModel& model, const DataSet& data, const Vector
   }
 }
 
-void add_warnings(PolynomialModel& model, const MarquardtResult& best) {
+void add_warnings(PolynomialModel& model, const MarquardtResult& best, const VectorXd& units) {
   if (!best.converged) model.fit.warnings.emplace_back("the search stopped at its limit; the estimate may be improved");
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
   if (!is_stable(model.C, 0.9999)) {
@@ -254,7 +255,7 @@ void add_warnings(PolynomialModel& model, const MarquardtResult& best) {
   const VectorXd theta = model.parameters();
   const std::vector<std::string> names = model.parameter_names();
   for (Index i = 0; i < theta.size(); ++i) {
-    if (!(deviations[i] <= 10 * std::max(std::fabs(theta[i]), 1e-3))) {
+    if (!(deviations[i] <= 10 * std::max(std::fabs(theta[i]), 1e-3 * units[i]))) {
       model.fit.warnings.push_back(
           fmt::format("{} = {:.3g} has a standard deviation of {:.2g}: the order is too high, or the input does not "
                       "excite it",
@@ -276,8 +277,11 @@ VectorXd prediction_errors(const PolynomialModel& model, const DataSet& data, Ma
   return errors(model, about, output, jacobian);
 }
 
-PolynomialModel search_linear(const LinearTask& task, const LinearOptions& options, const FitControl& control) {
-  refuse_missing(task.data, "the prediction error method");
+PolynomialModel search_linear(const LinearTask& given, const LinearOptions& options, const FitControl& control) {
+  refuse_missing(given.data, "the prediction error method");
+  const SignalUnits units = units_of(given);
+  const LinearTask task = in_units(given, units);
+  const double square = units.y * units.y;
   const PolynomialModel empty = begin_model(task);
   const Index unknown = task.parameters() + unknown_past(empty, task.data);
   if (unknown >= task.data.samples()) {
@@ -309,7 +313,7 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
     MarquardtResult result =
         minimise_squares(criterion, start.model.parameters(), {.iterations = options.iterations}, allowed, control);
     model.fit.tried.push_back(fmt::format("{}: mean square {:.6g} after {} iterations, {}", start.name,
-                                          result.sse / rows, result.iterations, result.stopped));
+                                          square * result.sse / rows, result.iterations, result.stopped));
     if (result.sse < best.sse) best = std::move(result);
   }
   if (best.theta.size() == 0) fail("the search found no start at which the prediction error is finite");
@@ -324,9 +328,10 @@ PolynomialModel search_linear(const LinearTask& task, const LinearOptions& optio
   model.fit.iterations = best.iterations;
   model.fit.stopped = best.stopped;
   model.fit.options = options_of(options);
-  add_warnings(model, best);
-  warn_of_the_start(model, task.data, best.residuals);
-  warn_of_constant(model, best.residuals);
+  restore(model, units);
+  add_warnings(model, best, parameter_units(model, units));
+  warn_of_the_start(model, given.data, best.residuals);
+  warn_of_constant(model, units.y * best.residuals);
   return model;
 }
 

@@ -188,6 +188,11 @@ RegressionModel fit_selected(const DataSet& data, const RegressorSet& candidates
   check(data);
   refuse_several_outputs(data);
   if (options.most_terms < 1) fail("'most_terms' is at least 1, not {}", options.most_terms);
+  if (options.iterations < 0) fail("the number of iterations is {}; it must be 0 or more", options.iterations);
+  if (!(options.validation > 0 && options.validation < 1)) {
+    fail("'validation' is the part of the record that is held back, greater than 0 and less than 1; it is {:g}",
+         options.validation);
+  }
   const auto [train, held] = split(data, 1 - options.validation);
   const ForwardSelection path = select(train, candidates, options);
   if (path.order.empty()) fail("no candidate explains anything of the output; is it constant?");

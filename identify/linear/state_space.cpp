@@ -9,6 +9,7 @@
 
 #include "identify/error.h"
 #include "identify/linear/least_squares.h"
+#include "identify/linear/signal_units.h"
 #include "identify/model_file/model_file.h"
 
 namespace plantloop::identify {
@@ -42,17 +43,20 @@ MatrixXd respond(const StateSpaceModel& m, const MatrixXd& u, VectorXd x) {
   return y;
 }
 
-// The state that explains what the response from rest leaves; samples with missing outputs do not count.
+// The state that explains what the response from rest leaves, outputs divided by their sizes; samples with missing
+// outputs do not count.
 VectorXd best_start(const StateSpaceModel& m, const MatrixXd& y, const MatrixXd& from_rest) {
   MatrixXd rows(y.size(), m.order());
-  VectorXd rest(y.size());
-  MatrixXd CA = m.C;
+  VectorXd rest(y.size()), unit(y.cols());
+  for (Index i = 0; i < y.cols(); ++i) unit[i] = size_of(y.col(i).array() - m.y0[i]);
+  MatrixXd CA = unit.cwiseInverse().asDiagonal() * m.C;
+  const double least = 1e-14 * CA.norm();
   Index at = 0;
-  for (Index k = 0; k < y.rows() && CA.norm() > 1e-14; ++k, CA = CA * m.A) {
+  for (Index k = 0; k < y.rows() && CA.norm() > least; ++k, CA = CA * m.A) {
     for (Index i = 0; i < y.cols(); ++i) {
       if (std::isnan(y(k, i))) continue;
       rows.row(at) = CA.row(i);
-      rest[at++] = y(k, i) - from_rest(k, i);
+      rest[at++] = (y(k, i) - from_rest(k, i)) / unit[i];
     }
   }
   if (at == 0 || !rows.topRows(at).allFinite()) return VectorXd::Zero(m.order());

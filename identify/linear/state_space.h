@@ -18,7 +18,7 @@ struct StateSpaceModel {
   Eigen::MatrixXd A, B, C, D;       // n x n, n x inputs, outputs x n, outputs x inputs
   Eigen::VectorXd u0, y0;           // operating point: the model is of u - u0 and y - y0
   std::vector<Eigen::VectorXd> x0;  // the first state of each experiment of the data it was made of
-  Eigen::VectorXd singular_values;  // of the projection, from which the order was read
+  Eigen::VectorXd singular_values;  // of the projection of outputs of size 1, from which the order was read
   FitReport fit;
 
   Eigen::Index order() const { return A.rows(); }

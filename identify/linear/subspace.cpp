@@ -8,6 +8,7 @@
 #include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/linear/least_squares.h"
+#include "identify/linear/signal_units.h"
 #include "identify/linear/state_space.h"
 
 namespace plantloop::identify {
@@ -57,8 +58,9 @@ int order_of(const VectorXd& s, int highest) {
   return best;
 }
 
-// B, D, the outputs' offset and the first states are linear in the simulated output.
-void fit_inputs(StateSpaceModel& model, const DataSet& data, bool feedthrough, bool offset) {
+// B, D, the outputs' offset and the first states are linear in the simulated output. `data` and model.C are in `units`
+// of the outputs; the model is in the user's at the end.
+void fit_inputs(StateSpaceModel& model, const DataSet& data, const VectorXd& units, bool feedthrough, bool offset) {
   const Index n = model.order();
   const auto m = static_cast<Index>(data.inputs.size());
   const auto l = static_cast<Index>(data.outputs.size());
@@ -94,11 +96,23 @@ void fit_inputs(StateSpaceModel& model, const DataSet& data, bool feedthrough, b
   model.B = fit.theta.head(n * m).reshaped(n, m);
   model.D = MatrixXd::Zero(l, m);
   if (feedthrough) model.D = fit.theta.segment(n * m, l * m).reshaped(l, m);
-  if (offset) model.y0 += fit.theta.segment(at_offset, l);
+  if (offset) model.y0 += units.cwiseProduct(fit.theta.segment(at_offset, l));
   for (Index i = 0; i < starts; ++i) model.x0.emplace_back(fit.theta.segment(columns - n * starts + n * i, n));
   model.fit.warnings.insert(model.fit.warnings.end(), fit.warnings.begin(), fit.warnings.end());
-  model.fit.reached = fit.sse / static_cast<double>(y.size());
+  model.C = (units.asDiagonal() * model.C).eval();
+  model.D = (units.asDiagonal() * model.D).eval();
+  model.fit.reached =
+      (units.asDiagonal() * fit.residuals.reshaped(l, data.samples())).squaredNorm() / static_cast<double>(y.size());
   model.fit.parameters = n * n + n * l + columns;
+}
+
+// Outputs of size 1, so that none outweighs the others for its unit.
+VectorXd take_units(DataSet& data) {
+  const MatrixXd y = data.all_y();
+  VectorXd units(y.cols());
+  for (Index o = 0; o < y.cols(); ++o) units[o] = size_of(y.col(o));
+  for (Experiment& e : data.experiments) e.y *= units.cwiseInverse().asDiagonal();
+  return units;
 }
 
 void remove_means(DataSet& data, StateSpaceModel& model) {
@@ -132,6 +146,7 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   model.u0 = VectorXd::Zero(m);
   model.y0 = VectorXd::Zero(l);
   if (options.remove_means) remove_means(data, model);
+  const VectorXd units = take_units(data);
 
   MatrixXd H = hankel(data, i, options.offset);
   if (H.rows() < H.cols()) {
@@ -164,7 +179,7 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   model.fit.options.push_back(fmt::format("block_rows {}", i));
   if (options.remove_means) model.fit.options.emplace_back("remove_means");
   if (options.offset) model.fit.options.emplace_back("offset");
-  fit_inputs(model, data, options.feedthrough, options.offset);
+  fit_inputs(model, data, units, options.feedthrough, options.offset);
   if (!model.is_stable()) model.fit.warnings.emplace_back("the model is unstable");
   control.step(1);
   return model;

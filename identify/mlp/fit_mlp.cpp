@@ -2,7 +2,6 @@
 
 #include "identify/mlp/fit_mlp.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "identify/data/preprocess.h"
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
+#include "identify/linear/least_squares.h"
 #include "identify/mlp/fit_parts.h"
 #include "identify/mlp/problems.h"
 
@@ -47,6 +47,8 @@ void check_options(const MlpOptions& options) {
   if (!(options.training.decay >= 0)) fail("the weight decay is {:g}; it must be 0 or greater", options.training.decay);
   if (options.training.iterations < 1)
     fail("the number of iterations is {}; it must be 1 or more", options.training.iterations);
+  if (options.training.patience < 1)
+    fail("the patience is a number of iterations, 1 or more; it is {}", options.training.patience);
   if (options.one_step_iterations < 0)
     fail("the number of one-step iterations is {}; it must be 0 or more", options.one_step_iterations);
   if (std::any_of(options.horizons.begin(), options.horizons.end(), [](int length) { return length < 0; }))
@@ -205,7 +207,8 @@ std::vector<VectorXd> random_starts(Network shape, const MatrixXd& X, const Matr
   if (options.direct) {
     MatrixXd rows(X.rows(), X.cols() + 1);
     rows << X, VectorXd::Ones(X.rows());
-    linear = rows.completeOrthogonalDecomposition().solve(Y);
+    linear.resize(rows.cols(), Y.cols());
+    for (Index o = 0; o < Y.cols(); ++o) linear.col(o) = least_squares(rows, Y.col(o)).theta;
   }
   std::vector<VectorXd> starts;
   for (int i = 0; i < options.starts; ++i) {

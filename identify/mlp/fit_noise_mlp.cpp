@@ -1,12 +1,12 @@
 // Networks with a model of the noise: NARMAX and NBJ.
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
+#include "identify/linear/least_squares.h"
 #include "identify/mlp/fit_parts.h"
 #include "identify/mlp/noise_training.h"
 #include "identify/mlp/problems.h"
@@ -55,8 +55,7 @@ VectorXd autoregression(const MatrixXd& s, int nc, int nd) {
   for (Index o = 0; o < s.cols() && nd > 0 && s.rows() > 2 * nd; ++o) {
     MatrixXd past(s.rows() - nd, nd);
     for (Index i = 1; i <= nd; ++i) past.col(i - 1) = -s.col(o).segment(nd - i, past.rows());
-    filters.segment(o * (nc + nd) + nc, nd) =
-        past.completeOrthogonalDecomposition().solve(VectorXd(s.col(o).tail(past.rows())));
+    filters.segment(o * (nc + nd) + nc, nd) = least_squares(past, s.col(o).tail(past.rows())).theta;
   }
   return filters;
 }

@@ -195,6 +195,10 @@ Pruned prune(const Mlp& model, const MatrixXd& X, const MatrixXd& Y, const Matri
     fail("the data is {} x {} and {} x {}; the network has {} inputs and {} outputs", X.rows(), X.cols(), Y.rows(),
          Y.cols(), model.inputs(), model.outputs());
   if (!X.allFinite() || !Y.allFinite()) fail("the data has numbers that are not finite; leave such rows out");
+  if (!(options.decay >= 0)) fail("the weight decay is {:g}; it must be 0 or greater", options.decay);
+  if (options.iterations < 0) fail("the number of iterations is {}; it must be 0 or more", options.iterations);
+  if (options.least < 1)
+    fail("'least' is the number of weights at which pruning ends, 1 or more; it is {}", options.least);
   Surgeon surgeon(model, X, Y, options);
   std::unique_ptr<StaticTraining> test;
   if (X_test.rows() > 0)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
@@ -121,6 +122,12 @@ void check(const MatrixXd& X, const MatrixXd& Y, const RbfOptions& options) {
   if (!X.allFinite() || !Y.allFinite()) fail("the data has numbers that are not finite; leave such rows out");
   if (options.functions < 1) fail("the number of functions is {}; it must be 1 or more", options.functions);
   if (!(options.width > 0)) fail("the width is {:g}; it must be greater than 0", options.width);
+  if (!(options.ridge >= 0)) fail("the ridge is {:g}; it must be 0 or greater", options.ridge);
+  if (!(options.tolerance >= 0 && options.tolerance < 1)) {
+    fail("the tolerance is the part of the variance that may stay unexplained, 0 or more and less than 1; it is {:g}",
+         options.tolerance);
+  }
+  if (options.iterations < 0) fail("the number of iterations is {}; it must be 0 or more", options.iterations);
 }
 
 // Weights by least squares, output by output.
@@ -136,6 +143,23 @@ MatrixXd fit_weights(const MatrixXd& phi, const MatrixXd& y, const RbfOptions& o
     if (o == 0) report.warnings.insert(report.warnings.end(), found.warnings.begin(), found.warnings.end());
   }
   return weights;
+}
+
+// The selection orders functions without a ridge; the weights of the model may explain less.
+void say_what_the_ridge_costs(const std::vector<double>& ratios, double sse, const MatrixXd& y,
+                              const RbfOptions& options, FitReport& report) {
+  if (options.ridge == 0 || ratios.empty()) return;
+  const double total = options.constant ? (y.rowwise() - y.colwise().mean()).squaredNorm() : y.squaredNorm();
+  const double explained = 1 - sse / total;
+  const double without = std::accumulate(ratios.begin(), ratios.end(), 0.0);
+  report.tried.push_back(
+      fmt::format("the weights, with ridge {:g}, explain {:.6g} of the variance", options.ridge, explained));
+  if (1 - explained > 1.1 * (1 - without)) {
+    report.warnings.push_back(
+        fmt::format("The ridge {:g} makes the weights explain {:.4g} of the variance instead of {:.4g}; take a smaller "
+                    "one, or narrower functions.",
+                    options.ridge, explained, without));
+  }
 }
 
 }  // namespace
@@ -202,6 +226,7 @@ RbfFit fit_rbf(const MatrixXd& X, const MatrixXd& Y, const RbfOptions& options, 
 
   const RbfTraining training(shape, options.constant, x, y);
   report.reached = training.sse(training.theta()) / static_cast<double>(y.size());
+  say_what_the_ridge_costs(fit.ratios, report.reached * static_cast<double>(y.size()), y, options, report);
   report.parameters = shape.weights.rows() * (shape.centres.rows() + (options.constant ? 1 : 0));
   if (options.optimise) {
     TrainingOptions how;

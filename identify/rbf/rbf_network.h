@@ -72,8 +72,10 @@ struct RbfOptions {
   int functions = 20;
   double width = 0.3;    // rho of every function and input, where inputs are normalised to [0, 1]
   bool constant = true;  // add a constant term
-  double ridge = 1e-8;
-  double tolerance = 0;   // of ols
+  // Adds ridge |weights|^2 to the sum of squared errors, in units of the normalised outputs. Wide functions are nearly
+  // dependent and need great weights, on which even a ridge of 1e-8 weighs heavily.
+  double ridge = 0;
+  double tolerance = 0;   // of ols: ends when less than this part of the variance is unexplained, 0 to 1
   int candidates = 2000;  // of ols: from more rows than that the most spread ones are taken
   bool optimise = false;  // go on with centres and widths by Levenberg-Marquardt
   int iterations = 200;

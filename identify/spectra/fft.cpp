@@ -1,5 +1,6 @@
 // The discrete Fourier transform of a signal of any length, and the periodogram.
 
+#include <cmath>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 #include <vector>
@@ -24,6 +25,8 @@ Eigen::VectorXcd fourier_transform(const Eigen::VectorXd& x) {
 }
 
 Spectrum periodogram(const Eigen::VectorXd& x, double Ts) {
+  if (!(Ts > 0) || !std::isfinite(Ts))
+    fail("the sampling time of a periodogram must be greater than 0 s, it is {:g} s", Ts);
   const Eigen::VectorXcd X = fourier_transform(x);
   const Index count = x.size() / 2 + 1;
   const auto samples = static_cast<double>(x.size());

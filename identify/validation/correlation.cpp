@@ -46,7 +46,34 @@ double product(const VectorXd& a, const VectorXd& b, Index tau) {
   return tau >= 0 ? a.tail(overlap).dot(b.head(overlap)) : a.head(overlap).dot(b.tail(overlap));
 }
 
-Correlation correlate(const Signals& a, const Signals& b, int from, int to) {
+// sum_k x(k+tau) x(k)/sum x^2, tau = 0 ... most.
+VectorXd own_correlation(const Centred& c, Index most) {
+  VectorXd r(most + 1);
+  for (Index tau = 0; tau <= most; ++tau) {
+    double sum = 0;
+    for (const VectorXd& x : c.x) sum += product(x, x, tau);
+    r[tau] = c.squares > 0 ? sum / c.squares : 0;
+  }
+  return r;
+}
+
+// P_l of two sequences that do not depend on each other, l = 0 ... most.
+VectorXd chance(const Centred& a, const Centred& b, Index most) {
+  const Index width = std::min<Index>(100, static_cast<Index>(a.count) / 4);
+  const VectorXd raa = own_correlation(a, width), rbb = own_correlation(b, width + most);
+  VectorXd P(most + 1);
+  for (Index l = 0; l <= most; ++l) {
+    P[l] = 0;
+    for (Index k = -width; k <= width; ++k) {
+      const double weight = 1 - static_cast<double>(std::abs(k)) / static_cast<double>(width + 1);
+      P[l] += weight * raa[std::abs(k)] * rbb[std::abs(k + l)];
+    }
+  }
+  P[0] = std::max(P[0], 0.25);
+  return P;
+}
+
+Correlation correlate(const Signals& a, const Signals& b, int from, int to, bool independent) {
   const Centred one = centred(a);
   const Centred other = centred(b);
   if (one.x.size() != other.x.size()) fail("there are {} and {} experiments", one.x.size(), other.x.size());
@@ -65,25 +92,61 @@ Correlation correlate(const Signals& a, const Signals& b, int from, int to) {
     c.lag[tau - from] = tau;
     c.r[tau - from] = scale > 0 ? sum / scale : std::numeric_limits<double>::quiet_NaN();
   }
-  c.band95 = 1.959963984540054 / std::sqrt(one.count);
-  c.band99 = 2.5758293035489 / std::sqrt(one.count);
+  const VectorXd P = independent ? chance(one, other, to - from) : VectorXd::Unit(to - from + 1, 0);
+  c.alike = (P / P[0]).cwiseMax(-1).cwiseMin(1);
+  c.band95 = 1.959963984540054 * std::sqrt(P[0] / one.count);
+  c.band99 = 2.5758293035489 * std::sqrt(P[0] / one.count);
   return c;
 }
 
-// Over the lags that `counts` selects.
+// The number that a standard normal one exceeds with this probability (by bisection of its tail).
+double normal_quantile(double tail) {
+  double low = 0, high = 40;
+  for (int i = 0; i < 100; ++i) {
+    const double z = (low + high) / 2;
+    (std::erfc(z / std::numbers::sqrt2) / 2 > tail ? low : high) = z;
+  }
+  return low;
+}
+
+// Over the lags that `counts` selects, which follow each other.
 template <typename Counts>
 Verdict judge(const Correlation& c, Counts counts) {
   Verdict v;
-  double lags = 0;
+  double lags = 0, squares = 0;
   for (Index i = 0; i < c.r.size(); ++i) {
     if (!counts(c.lag[i])) continue;
     lags += 1;
     v.outside += std::fabs(c.r[i]) > c.band95 ? 1 : 0;
     v.largest = std::max(v.largest, std::isnan(c.r[i]) ? HUGE_VAL : std::fabs(c.r[i]));
+    squares += c.r[i] * c.r[i];
   }
-  if (lags > 0) v.outside /= lags;
-  v.passed = v.outside <= 0.2 && v.largest <= 2 * c.band95;
+  if (lags == 0) return v;
+  v.outside /= lags;
+  constexpr double level = 0.005;  // of each of the two
+  const double deviation = c.band95 / 1.959963984540054;
+  const double each = 1 - std::pow(1 - level, 1 / lags);
+  double sum_of_lambda_squares = lags;
+  for (Index l = 1; l < static_cast<Index>(lags); ++l) {
+    sum_of_lambda_squares += 2 * (lags - static_cast<double>(l)) * c.alike[l] * c.alike[l];
+  }
+  const double g = sum_of_lambda_squares / lags, h = lags / g;
+  const double quantile = h * std::pow(1 - 2 / (9 * h) + normal_quantile(level) * std::sqrt(2 / (9 * h)), 3);
+  v.passed = v.largest <= deviation * normal_quantile(each / 2) && squares <= deviation * deviation * g * quantile;
   return v;
+}
+
+// All equal, but for rounding.
+bool constant(const Signals& given) {
+  double least = HUGE_VAL, greatest = -HUGE_VAL;
+  for (const VectorXd& x : given) {
+    for (const double v : x) {
+      if (std::isnan(v)) continue;
+      least = std::min(least, v);
+      greatest = std::max(greatest, v);
+    }
+  }
+  return greatest - least <= 1e-10 * std::max(std::fabs(least), std::fabs(greatest));
 }
 
 template <typename Change>
@@ -114,12 +177,12 @@ double mean(const Signals& given) {
 
 Correlation autocorrelation(const Signals& e, int lags) {
   if (lags < 1) fail("there is at least one lag, not {}", lags);
-  return correlate(e, e, 0, lags);
+  return correlate(e, e, 0, lags, false);
 }
 
 Correlation cross_correlation(const Signals& e, const Signals& u, int lags) {
   if (lags < 1) fail("there is at least one lag, not {}", lags);
-  return correlate(e, u, -lags, lags);
+  return correlate(e, u, -lags, lags, true);
 }
 
 Verdict whiteness(const Correlation& c) {
@@ -154,16 +217,22 @@ ResidualTests residual_tests(const Signals& e, const Signals& u, int lags) {
   const Signals u2 = changed(u, u, [&](double a, double) { return (a - u_mean) * (a - u_mean); });
   const Signals e2 = changed(e, e, [](double a, double) { return a * a; });
   const Signals eu_product = changed(e, u, [&](double a, double b) { return a * (b - u_mean); });
-  const auto nonlinear = [&](const Signals& a, const Signals& b, const char* name, const char* words) {
+  const auto nonlinear = [&](const Signals& a, const Signals& b, const char* name, const char* words, int first = 0) {
     const Correlation c = cross_correlation(a, b, lags);
-    Verdict v = judge(c, [](double lag) { return lag >= 0; });
+    Verdict v = judge(c, [first](double lag) { return lag >= first; });
     v.name = name;
     v.meaning = v.passed ? "nothing nonlinear is seen in it" : words;
+    // Squares of two levels about their mean are equal but for rounding.
+    if (&b == &u2 && constant(u2)) {
+      v.passed = true;
+      v.outside = v.largest = 0;
+      v.meaning = "the square of the input does not vary, so this is not tested";
+    }
     add(c, v);
   };
   nonlinear(e, u2, "e with u^2", "the residuals depend on squares of past inputs");
   nonlinear(e2, u2, "e^2 with u^2", "the size of the residuals depends on squares of past inputs");
-  nonlinear(e, eu_product, "e with e u", "the residuals depend on products of past residuals and inputs");
+  nonlinear(e, eu_product, "e with e u", "the residuals depend on products of past residuals and inputs", 1);
   return tests;
 }
 

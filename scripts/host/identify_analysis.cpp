@@ -42,7 +42,7 @@ int fourier(lua_State* L) {
 
 int spectral(lua_State* L) {
   const identify::DataSet& data = data_argument(L, 1);
-  const Options o(L, 2, "the options of spectral", {"lags", "w", "input", "output"});
+  const Options o(L, 2, "the options of spectral", {"lags", "w", "input", "output", "window"});
   Eigen::VectorXd w;
   if (o.push("w")) {
     w = vector_of(L, -1, "w");
@@ -51,7 +51,8 @@ int spectral(lua_State* L) {
   }
   const auto s = identify::spectral_analysis(data, integer(o, "lags", 35), w,
                                              static_cast<std::size_t>(std::max(1, integer(o, "input", 1)) - 1),
-                                             static_cast<std::size_t>(std::max(1, integer(o, "output", 1)) - 1));
+                                             static_cast<std::size_t>(std::max(1, integer(o, "output", 1)) - 1),
+                                             identify::find_lag_window(o.text("window", "hamming")));
   push_response(L, s.response);
   field(L, "coherence", s.coherence);
   field(L, "noise", s.noise);
@@ -154,11 +155,13 @@ Entries identify_analysis_functions() {
        "AE, SE, RMSE, nRMSE, FIT, max; with variances LD and the coverage of the 95 % band; the first `skip` samples "
        "not counted"},
       {"autocorrelation", guarded<autocorrelation>, "e: pl.Vector, lags?: integer", "table",
-       "lag, r, band (95 %), band99"},
+       "lag, r, band (95 %), band99 of white residuals"},
       {"cross_correlation", guarded<cross_correlation>, "e: pl.Vector, u: pl.Vector, lags?: integer", "table",
-       "the same of e(k+lag) and u(k), lags to both sides"},
+       "the same of e(k+lag) and u(k), lags to both sides, with the bands of two signals that do not depend on each "
+       "other"},
       {"residual_tests", guarded<residual_tests>, "e: pl.Vector, u: pl.Vector, lags?: integer", "table[]",
-       "linear and nonlinear tests of residuals: name, passed, meaning, outside, largest, and the correlation"},
+       "linear and nonlinear tests of residuals at a level of 1 %: name, passed, meaning, outside, largest, and the "
+       "correlation"},
       {"histogram", guarded<histogram>, "x: pl.Vector, bins?: integer", "table",
        "edges, middles, counts, and the normal density of the same mean and deviation in counts"},
       {"frequencies", guarded<frequencies>, "options: {from: number, Ts: number, count?: integer}", "pl.Vector",
@@ -166,8 +169,11 @@ Entries identify_analysis_functions() {
       {"fourier", guarded<fourier>, "data: pl.DataSet, input?: integer, output?: integer", "table",
        "empirical frequency response Y/U: w, magnitude, phase"},
       {"spectral", guarded<spectral>,
-       "data: pl.DataSet, options?: {lags?: integer, w?: pl.Vector, input?: integer, output?: integer}", "table",
-       "frequency response by correlations with a Hamming window: w, magnitude, phase, deviation, coherence, noise"},
+       "data: pl.DataSet, options?: {lags?: integer, w?: pl.Vector, input?: integer, output?: integer, window?: "
+       "string}",
+       "table",
+       "frequency response by correlations with a window (hamming, hann, bartlett or parzen): w, magnitude, phase, "
+       "deviation; coherence, noise, input and output power with one whose spectra are never negative"},
       {"periodogram", guarded<periodogram>, "x: pl.Vector, Ts: number", "pl.Vector, pl.Vector",
        "frequencies in rad/s and |X|^2/N"},
   };

@@ -22,7 +22,11 @@ RegressorSet plain_regressors(const Options& o, const identify::DataSet& data) {
   return identify::parse_regressors(o.text("regressors"), data);
 }
 
-std::uint64_t seed_of(const Options& o) { return static_cast<std::uint64_t>(std::max(0, integer(o, "seed", 1))); }
+std::uint64_t seed_of(const Options& o) {
+  const int seed = integer(o, "seed", 1);
+  if (seed < 0) o.wrong("seed", "a whole number, 0 or more");
+  return static_cast<std::uint64_t>(seed);
+}
 
 namespace {
 

@@ -140,6 +140,52 @@ TEST(Ols, StopsWhereNothingIsLeft) {
   EXPECT_EQ(select_columns(p, VectorXd::LinSpaced(4, 1, 4), 3).columns.size(), 2U);
 }
 
+// 18 wide functions: a ridge of 1e-8, once the default, took a quarter of the variance away that the report told of.
+TEST(FitRbf, TheReportSaysWhatTheModelExplains) {
+  const Surface s;
+  const auto explained = [&](const RbfFit& fit) {
+    MatrixXd y(441, 1);
+    std::vector<double> scratch(static_cast<std::size_t>(fit.model->scratch_size()));
+    for (Index i = 0; i < 441; ++i) {
+      const VectorXd x = s.x.row(i).transpose();
+      fit.model->evaluate(x.data(), &y(i, 0), scratch.data());
+    }
+    return 1 - std::pow(rms(s.z - y) / s.deviation(), 2);
+  };
+  for (const double width : {0.3, 0.7, 1.0}) {
+    RbfOptions options;
+    options.functions = 18;
+    options.width = width;
+    const RbfFit plain = fit_rbf(s.x, s.z, options);
+    double said = 0;
+    for (const double ratio : plain.ratios) said += ratio;
+    EXPECT_NEAR(explained(plain), said, 1e-5);
+    options.ridge = 1e-3;
+    const RbfFit ridge = fit_rbf(s.x, s.z, options);
+    EXPECT_THAT(
+        ridge.report.tried,
+        Contains(fmt::format("the weights, with ridge 0.001, explain {:.6g} of the variance", explained(ridge))));
+  }
+}
+
+TEST(FitRbf, RefusesATolerance) {
+  const Surface s;
+  for (const double tolerance : {-1.0, 1.0, 2.0}) {
+    RbfOptions options;
+    options.tolerance = tolerance;
+    try {
+      fit_rbf(s.x, s.z, options);
+      ADD_FAILURE();
+    } catch (const IdentifyError& error) {
+      EXPECT_EQ(
+          error.what(),
+          fmt::format("the tolerance is the part of the variance that may stay unexplained, 0 or more and less than "
+                      "1; it is {:g}",
+                      tolerance));
+    }
+  }
+}
+
 // Figures 1.18 to 1.21 of the book: 3, 5, 11 and 31 functions of width 0.1 of the normalised range.
 TEST(FitRbf, ReachesTheBooksErrors) {
   const Surface s;

@@ -139,6 +139,43 @@ TEST(SpectralAnalysis, IsAtLeastTwiceAsGoodAsFourierInNoise) {
   }
 }
 
+// Beside the strong frequencies of slow signals Hamming's window makes power spectra negative and coherences of 10.
+TEST(SpectralAnalysis, CoherencesLieBetween0And1AndPowersAreNotNegative) {
+  const VectorXd w = frequencies(0.01, 1, 200);
+  for (const int lags : {2, 5, 20, 35, 60, 120, 299}) {
+    for (const LagWindow window : {LagWindow::hamming, LagWindow::hann, LagWindow::bartlett, LagWindow::parzen}) {
+      for (const auto& u : {staircase(300, 5, 20, -1, 1, 3), multisine(300, 150, 1, 8), white_noise(300, 1, 3)}) {
+        const VectorXd y = filter(Eigen::Vector2d(0, 0.05), Eigen::Vector2d(1, -0.95), u);
+        const SpectralAnalysis s = spectral_analysis(make_data_set(u, y, 1), lags, w, 0, 0, window);
+        EXPECT_GE(s.coherence.minCoeff(), 0);
+        EXPECT_LE(s.coherence.maxCoeff(), 1);
+        EXPECT_GE(s.noise.minCoeff(), 0);
+        EXPECT_GE(s.input.minCoeff(), 0);
+        EXPECT_GE(s.output.minCoeff(), 0);
+      }
+    }
+  }
+}
+
+// Of white noise beside the signal, for windows of the same smoothing.
+TEST(SpectralAnalysis, EveryWindowFindsTheCoherenceOfNoise) {
+  const VectorXd u = white_noise(20000, 1, 1), y = u + white_noise(20000, 1, 2);
+  for (const LagWindow window : {LagWindow::hamming, LagWindow::hann, LagWindow::bartlett, LagWindow::parzen}) {
+    const SpectralAnalysis s = spectral_analysis(make_data_set(u, y, 1), 30, frequencies(0.05, 1, 30), 0, 0, window);
+    // Standard deviation of the estimate: sqrt(2 c) (1 - c) sqrt(sum of squared weights/N) = 0.019 at most.
+    EXPECT_LT((s.coherence.array() - 0.5).abs().maxCoeff(), 0.06);
+    EXPECT_LT((s.noise.array() - 1).abs().maxCoeff(), 0.15);
+  }
+  EXPECT_EQ(weight_of(LagWindow::parzen, 0.5), 0.25);
+  EXPECT_EQ(weight_of(LagWindow::parzen, 0.25), 1 - 6.0 / 16 + 6.0 / 64);
+  EXPECT_EQ(weight_of(LagWindow::bartlett, -0.25), 0.75);
+  EXPECT_THROW(find_lag_window("hanning"), IdentifyError);
+}
+
+TEST(Fourier, APeriodogramNeedsASamplingTime) {
+  for (const double Ts : {0.0, -1.0, HUGE_VAL}) EXPECT_THROW(periodogram(VectorXd::Ones(4), Ts), IdentifyError);
+}
+
 TEST(SpectralAnalysis, IsTheDefiningSum) {
   const VectorXd u = white_noise(60, 1, 1);
   const VectorXd y = white_noise(60, 1, 2);

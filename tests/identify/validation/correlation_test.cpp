@@ -84,6 +84,64 @@ TEST(ResidualTests, PassForWhiteNoiseAndFindWhatIsMissing) {
   EXPECT_FALSE(tests.verdicts[2].passed);
 }
 
+// Records without anything to find, of the kinds that made false alarms: residuals of coloured noise beside inputs that
+// are slow, held or periodic. Each test finds fault with one in a hundred; more than 3 % of 400 happens by chance once
+// in a thousand times.
+TEST(ResidualTests, FindFaultWithOneRecordInAHundredWhereThereIsNothing) {
+  constexpr int records = 400;
+  constexpr Index n = 800;
+  const VectorXd one = VectorXd::Ones(1);
+  for (const double pole : {0.0, 0.9}) {
+    for (int kind = 0; kind < 3; ++kind) {
+      int white = 0, dynamic = 0, feedback = 0;
+      std::vector<int> nonlinear(3, 0);
+      for (std::uint64_t i = 0; i < records; ++i) {
+        const VectorXd u = kind == 0   ? white_noise(n, 1, 10'000 + i)
+                           : kind == 1 ? staircase(n, 5, 20, -1, 1, 20'000 + i)
+                                       : VectorXd(filter(one, Eigen::Vector2d(1, -0.8), white_noise(n, 1, 30'000 + i)));
+        const VectorXd e = filter(one, Eigen::Vector2d(1, -pole), white_noise(n, 0.1, i));
+        const ResidualTests tests = residual_tests({e}, {u});
+        white += tests.verdicts[0].passed ? 0 : 1;
+        dynamic += tests.verdicts[1].passed ? 0 : 1;
+        feedback += tests.verdicts[1].meaning.find("feedback") != std::string::npos ? 1 : 0;
+        for (std::size_t t = 0; t < 3; ++t) nonlinear[t] += tests.verdicts[2 + t].passed ? 0 : 1;
+      }
+      SCOPED_TRACE(fmt::format("pole {}, input {}: {} {} {} {}", pole, kind, white, dynamic, feedback,
+                               fmt::join(nonlinear, " ")));
+      if (pole == 0) EXPECT_LE(white, 0.03 * records);
+      if (pole > 0) EXPECT_EQ(white, records);
+      EXPECT_LE(dynamic, 0.03 * records);
+      EXPECT_LE(feedback, 0.03 * records);
+      for (const int count : nonlinear) EXPECT_LE(count, 0.03 * records);
+    }
+  }
+}
+
+// Two slow signals that do not depend on each other: the scatter of r over records is what the band says.
+TEST(Correlation, TheBandOfTwoSignalsIsThatOfTheirScatter) {
+  double squares = 0, bands = 0;
+  constexpr int records = 500;
+  for (std::uint64_t i = 0; i < records; ++i) {
+    const VectorXd e = filter(VectorXd::Ones(1), Eigen::Vector2d(1, -0.9), white_noise(2000, 1, i));
+    const Correlation c = cross_correlation({e}, {staircase(2000, 10, 10, -1, 1, 1000 + i)}, 5);
+    squares += c.r[5] * c.r[5] / records;
+    bands += c.band95 / 1.959963984540054 / records;
+  }
+  EXPECT_NEAR(bands / std::sqrt(squares), 1, 0.1);  // 500 records: 3 % of a standard deviation
+  EXPECT_GT(bands * std::sqrt(2000), 2);
+}
+
+TEST(ResidualTests, DoNotJudgeASquareThatDoesNotVary) {
+  const ResidualTests tests =
+      residual_tests({white_noise(500, 1, 1)}, {prbs(8, 1, 2, 500).array() - prbs(8, 1, 2, 500).mean()});
+  VectorXd balanced = VectorXd::Ones(500);
+  for (Index k = 0; k < 500; k += 2) balanced[k] = -1;
+  const ResidualTests two = residual_tests({white_noise(500, 1, 1)}, {balanced});
+  EXPECT_TRUE(two.verdicts[2].passed);
+  EXPECT_EQ(two.verdicts[2].meaning, "the square of the input does not vary, so this is not tested");
+  EXPECT_TRUE(tests.verdicts[2].passed);
+}
+
 TEST(Histogram, CountsEveryValueAndDrawsTheNormalDensity) {
   const VectorXd x = white_noise(4000, 2, 5);
   const Histogram h = histogram(x);
