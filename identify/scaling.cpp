@@ -19,7 +19,11 @@ Scaling standard_scaling(const Eigen::MatrixXd& x) {
     result.offset[c] = x.col(c).mean();
     const double deviation = std::sqrt((x.col(c).array() - result.offset[c]).square().mean());
     // What rounding makes of a constant column is no deviation.
-    if (deviation > 1e-13 * std::fabs(result.offset[c])) result.scale[c] = deviation;
+    if (deviation > 1e-13 * std::fabs(result.offset[c])) {
+      result.scale[c] = deviation;
+    } else {
+      result.offset[c] = x.col(c).minCoeff();
+    }
   }
   return result;
 }

@@ -82,8 +82,11 @@ void scale_of(const MatrixXd& all, Index column, Normalisation::Kind kind, doubl
   const bool by_range = kind == Normalisation::Kind::least_and_greatest;
   offset = by_range && count > 0 ? least : mean;
   scale = by_range ? most - least : std::sqrt(squares / count);
-  // A spread of rounding errors is none.
-  if (!(most - least > 1e-14 * std::max(std::fabs(most), std::fabs(least)))) scale = 0;
+  // A spread of rounding errors is none. The mean of equal values may differ from them by rounding, their least cannot.
+  if (count > 0 && !(most - least > 1e-14 * std::max(std::fabs(most), std::fabs(least)))) {
+    scale = 0;
+    offset = least;
+  }
 }
 
 void normalise(const MatrixXd& all, const std::vector<Channel>& channels, Normalisation& n, VectorXd& offset,

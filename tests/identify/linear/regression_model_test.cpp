@@ -145,5 +145,17 @@ TEST(FreeRun, OfAnUnstableModelIsInfiniteFromWhereItLeaves) {
   EXPECT_TRUE(std::isinf(root_mean_square_error(data.all_y().col(0), y.col(0))));
 }
 
+// The mean of equal values is not always that value, and what rounding leaves is no regressor: its parameter was 1e13.
+TEST(RegressionModel, AConstantInputHasNoParameterWhenNormalised) {
+  for (const double level : {0.1, 2.0, 7.3, 1.0 / 3}) {
+    const VectorXd y = white_noise(100, 1, 1);
+    const DataSet data = make_data_set(VectorXd::Constant(100, level), y, 1);
+    const RegressionModel m = fit_regression(data, parse_regressors("y(k-1), u(k-1..2)", data), {.normalise = true});
+    EXPECT_EQ(m.theta(1, 0), 0);
+    EXPECT_EQ(m.theta(2, 0), 0);
+    EXPECT_LT(free_run(m, data)[0].cwiseAbs().maxCoeff(), 10);
+  }
+}
+
 }  // namespace
 }  // namespace plantloop::identify

@@ -144,7 +144,7 @@ TEST(SpectralAnalysis, CoherencesLieBetween0And1AndPowersAreNotNegative) {
   const VectorXd w = frequencies(0.01, 1, 200);
   for (const int lags : {2, 5, 20, 35, 60, 120, 299}) {
     for (const LagWindow window : {LagWindow::hamming, LagWindow::hann, LagWindow::bartlett, LagWindow::parzen}) {
-      for (const auto& u : {staircase(300, 5, 20, -1, 1, 3), multisine(300, 150, 1, 8), white_noise(300, 1, 3)}) {
+      for (const auto& u : {staircase(300, 5, 20, -1, 1, 3), multisine(300, 150, 1, 8, 1), white_noise(300, 1, 3)}) {
         const VectorXd y = filter(Eigen::Vector2d(0, 0.05), Eigen::Vector2d(1, -0.95), u);
         const SpectralAnalysis s = spectral_analysis(make_data_set(u, y, 1), lags, w, 0, 0, window);
         EXPECT_GE(s.coherence.minCoeff(), 0);
