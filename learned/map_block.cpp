@@ -25,6 +25,26 @@ Array array_of(const std::vector<Value>& values, int first, int count) {
   return array;
 }
 
+Shape square_of(int rows) { return rows == 1 ? Shape::scalar() : Shape::matrix(rows, rows); }
+
+Array square_array(const std::vector<Value>& values, int first, int rows) {
+  Array square(square_of(rows));
+  for (int i = 0; i < rows * rows; ++i) square[i] = values[static_cast<std::size_t>(first + i)];
+  return square;
+}
+
+Array diagonal_of(const Array& square) {
+  Array diagonal(shape_of(square.rows()));
+  for (int i = 0; i < square.rows(); ++i) diagonal[i] = square[i * (square.rows() + 1)];
+  return diagonal;
+}
+
+Array diagonal_matrix(const Array& diagonal) {
+  Array square(square_of(diagonal.size()), 0.0);
+  for (int i = 0; i < diagonal.size(); ++i) square[i * (diagonal.size() + 1)] = diagonal[i];
+  return square;
+}
+
 std::shared_ptr<const identify::LoadedModel> model_of(const Text& file) {
   const std::string path = file.value();
   if (path.empty()) return nullptr;

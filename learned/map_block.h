@@ -38,6 +38,11 @@ class MapKernel final : public Kernel {
 Shape shape_of(int elements);
 // The elements as an Array of that shape.
 Array array_of(const std::vector<Value>& values, int first, int count);
+// The same for n x n values row by row: a scalar for one, else a matrix; its diagonal, and the matrix of a diagonal.
+Shape square_of(int rows);
+Array square_array(const std::vector<Value>& values, int first, int rows);
+Array diagonal_of(const Array& square);
+Array diagonal_matrix(const Array& diagonal);
 // The model of the file, or null when it cannot be used (reported by report_model).
 std::shared_ptr<const identify::LoadedModel> model_of(const Text& file);
 // Says why the model of a file cannot be used; `type`: what it has to be, "" for any. True when it can.

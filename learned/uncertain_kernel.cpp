@@ -1,10 +1,23 @@
-// Steps of identify::UncertainRun on the state in the frame.
+// What identification predicts, copied into the frame.
 
 #include "learned/uncertain_kernel.h"
 
 #include <algorithm>
 
 namespace plantloop {
+namespace {
+
+void put(const identify::UncertainPrediction& found, double* out) {
+  std::copy_n(found.mean.data(), found.mean.size(), out);
+  std::copy_n(found.covariance.data(), found.covariance.size(), out + found.mean.size());
+}
+
+}  // namespace
+
+void UncertainMapKernel::evaluate(const KernelCall& call) const {
+  const Eigen::Index d = map_.map().inputs();
+  put(map_.predict({Eigen::VectorXd::Map(call.in, d), Eigen::MatrixXd::Map(call.in + d, d, d)}), call.out);
+}
 
 UncertainKernel::UncertainKernel(const std::shared_ptr<const identify::GpMap>& map, identify::RegressorSet regressors,
                                  identify::Propagation method, bool feed_noise)
@@ -16,11 +29,7 @@ void UncertainKernel::initialise(const KernelCall& call) const {
     std::copy_n(call.in + inputs_, run_.outputs(), call.state + i * run_.outputs());
 }
 
-void UncertainKernel::evaluate(const KernelCall& call) const {
-  const identify::UncertainRun::Step step = run_.predict(call.in, call.state);
-  std::copy_n(step.mean.data(), step.mean.size(), call.out);
-  std::copy_n(step.covariance.data(), step.covariance.size(), call.out + step.mean.size());
-}
+void UncertainKernel::evaluate(const KernelCall& call) const { put(run_.predict(call.in, call.state), call.out); }
 
 void UncertainKernel::advance(const KernelCall& call) const {
   run_.advance(run_.predict(call.in, call.state), call.state, call.scratch);

@@ -1,4 +1,4 @@
-// A free run of a Gaussian process that carries its uncertainty along, as a kernel.
+// Gaussian processes that carry uncertainty along, as kernels: at a point, and in free run.
 
 #pragma once
 
@@ -9,6 +9,21 @@
 #include "identify/gp/gp_map.h"
 
 namespace plantloop {
+
+// A Gaussian process at an uncertain point. Inputs: the D means, the D x D covariances row by row. Outputs: the means,
+// then the covariances row by row.
+class UncertainMapKernel final : public Kernel {
+ public:
+  // Raises IdentifyError as identify::Propagator does.
+  UncertainMapKernel(std::shared_ptr<const identify::GpMap> map, identify::Propagation method)
+      : map_(std::move(map), method) {}
+  std::string name() const override { return "Gaussian process at an uncertain point"; }
+  int outputs() const override { return map_.map().outputs() * (1 + map_.map().outputs()); }
+  void evaluate(const KernelCall& call) const override;
+
+ private:
+  identify::UncertainMap map_;
+};
 
 // Inputs: the regressors (those of outputs are not read), then the outputs before the start. Outputs: the means, then
 // the covariances row by row. The state is that of identify::UncertainRun.

@@ -128,21 +128,16 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
       for (int o = 0; o < count; ++o) x.push_back(now[initial_y][0]);
       const std::vector<Value> result = now.kernel(uncertain(*loaded), x, x);
       out[y] = array_of(result, 0, count);
-      Array own(shape_of(count)), all(square_of(count));
-      for (int i = 0; i < count * count; ++i) all[i] = result[static_cast<std::size_t>(count + i)];
-      for (int o = 0; o < count; ++o) own[o] = all[o * (count + 1)];
-      out[variance] = own;
-      out[covariance] = all;
+      out[covariance] = square_array(result, count, count);
+      out[variance] = diagonal_of(square_array(result, count, count));
       return;
     }
     const bool certain = loaded->map->has_variance();
     const std::vector<Value> result = now.kernel(std::make_shared<MapKernel>(loaded->map, certain), x);
     out[y] = array_of(result, 0, count);
     const Array own = certain ? array_of(result, count, count) : Array(shape_of(count), 0.0);
-    Array all(square_of(count), 0.0);
-    for (int o = 0; o < count; ++o) all[o * (count + 1)] = own[o];
     out[variance] = own;
-    out[covariance] = all;
+    out[covariance] = diagonal_matrix(own);
   }
 
   void update(Now now, Next next) const override {
@@ -176,7 +171,6 @@ expect: [{signal: model.y, at: 20, value: 1.2, abs: 1e-3}]
   }
 
  private:
-  static Shape square_of(int count) { return count == 1 ? Shape::scalar() : Shape::matrix(count, count); }
   std::shared_ptr<const LoadedModel> usable() const {
     const auto loaded = model_of(model);
     return loaded && loaded->dynamic ? loaded : nullptr;

@@ -86,6 +86,20 @@ inline NarxModel fit_narx_gp(const DataSet& data, const RegressorSet& regressors
   return fit_narx_gp(data, regressors, GpModelOptions{.process = process});
 }
 
+// The map at points that are themselves uncertain, all in the user's units.
+class UncertainMap {
+ public:
+  // Raises IdentifyError as Propagator does.
+  UncertainMap(std::shared_ptr<const GpMap> map, Propagation method)
+      : map_(std::move(map)), propagator_(map_->processes(), method) {}
+  UncertainPrediction predict(const UncertainPoint& point) const;
+  const GpMap& map() const { return *map_; }
+
+ private:
+  std::shared_ptr<const GpMap> map_;
+  Propagator propagator_;
+};
+
 // The free run of a model that knows how uncertain it is, one sample after the other. All outputs are fed back, and the
 // state holds mean and covariance of the last ones together: n = depth x outputs numbers, newest sample first and
 // within a sample in the order of the outputs, then n x n.
@@ -96,23 +110,18 @@ class UncertainRun {
   UncertainRun(std::shared_ptr<const GpMap> map, RegressorSet regressors, Propagation method, bool feed_noise = true);
 
   int depth() const { return depth_; }
-  int outputs() const { return map_->outputs(); }
+  int outputs() const { return map_.map().outputs(); }
   int state_size() const { return kept() + kept() * kept(); }
-  // x: the regressors, of which those of outputs are not read.
-  struct Step {
-    Eigen::VectorXd mean;        // of the functions now, m
-    Eigen::MatrixXd covariance;  // m x m
-    Eigen::MatrixXd slope;       // by the regressors, m x regressors
-  };
+  // x: the regressors, of which those of outputs are not read. Of the functions now; slopes are by the regressors.
+  using Step = UncertainPrediction;
   Step predict(const double* x, const double* state) const;
   // The state after that step.
   void advance(const Step& step, const double* state, double* next) const;
 
  private:
   int kept() const { return depth_ * outputs(); }
-  std::shared_ptr<const GpMap> map_;
+  UncertainMap map_;
   RegressorSet regressors_;
-  Propagator propagator_;
   bool feed_noise_;
   int depth_;
   struct Lag {

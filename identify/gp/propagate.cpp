@@ -2,6 +2,7 @@
 
 #include "identify/gp/propagate.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -45,6 +46,25 @@ std::vector<const GpPosterior*> pointers_to(const Models& models, Address addres
 }
 
 }  // namespace
+
+void check_point(const UncertainPoint& point, int inputs) {
+  const MatrixXd& S = point.covariance;
+  if (point.mean.size() != inputs) fail("the point has {} inputs, the model {}", point.mean.size(), inputs);
+  if (S.rows() != inputs || S.cols() != inputs)
+    fail("the covariance of the point is {} x {}; the model has {} inputs, so it is {} x {}", S.rows(), S.cols(),
+         inputs, inputs, inputs);
+  if (!point.mean.allFinite() || !S.allFinite()) fail("the point has numbers that are not finite");
+  const double size = S.cwiseAbs().maxCoeff();
+  for (Index i = 0; i < S.rows(); ++i) {
+    for (Index j = 0; j < i; ++j) {
+      if (std::fabs(S(i, j) - S(j, i)) > 1e-12 * size)
+        fail("the covariance of the point is not symmetric: its element {}, {} is {:g}, {}, {} is {:g}", i + 1, j + 1,
+             S(i, j), j + 1, i + 1, S(j, i));
+    }
+  }
+  const double least = Eigen::SelfAdjointEigenSolver<MatrixXd>(S, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+  if (least < -1e-12 * size) fail("the covariance of the point has the eigenvalue {:g}; no variance is below 0", least);
+}
 
 Propagation find_propagation(const std::string& name) {
   if (name == "naive") return Propagation::naive;

@@ -13,6 +13,9 @@
 
 namespace plantloop::identify {
 
+// Raises IdentifyError: sizes, numbers that are not finite, a covariance that is not symmetric or negative somewhere.
+void check_point(const UncertainPoint& point, int inputs);
+
 // Of m functions of one x. Given x they are independent; that x is uncertain makes them depend on each other.
 struct UncertainPrediction {
   Eigen::VectorXd mean;        // m

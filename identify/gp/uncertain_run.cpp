@@ -29,13 +29,18 @@ void check_start(const Experiment& experiment, Index first) {
 
 }  // namespace
 
+UncertainPrediction UncertainMap::predict(const UncertainPoint& point) const {
+  const Scaling &xs = map_->x_scaling(), &ys = map_->y_scaling();
+  const VectorXd inverse = xs.scale.cwiseInverse();
+  const UncertainPrediction found = propagator_.predict(
+      {(point.mean - xs.offset).cwiseQuotient(xs.scale), point.covariance.cwiseProduct(inverse * inverse.transpose())});
+  return {ys.offset + ys.scale.cwiseProduct(found.mean), found.covariance.cwiseProduct(ys.scale * ys.scale.transpose()),
+          ys.scale.asDiagonal() * found.slope * inverse.asDiagonal()};
+}
+
 UncertainRun::UncertainRun(std::shared_ptr<const GpMap> map, RegressorSet regressors, Propagation method,
                            bool feed_noise)
-    : map_(std::move(map)),
-      regressors_(std::move(regressors)),
-      propagator_(map_->processes(), method),
-      feed_noise_(feed_noise),
-      depth_(0) {
+    : map_(std::move(map), method), regressors_(std::move(regressors)), feed_noise_(feed_noise), depth_(0) {
   for (std::size_t r = 0; r < regressors_.list.size(); ++r) {
     for (const Factor& factor : regressors_.list[r].factors) {
       if (!factor.of_output) continue;
@@ -49,20 +54,14 @@ UncertainRun::UncertainRun(std::shared_ptr<const GpMap> map, RegressorSet regres
 }
 
 UncertainRun::Step UncertainRun::predict(const double* x, const double* state) const {
-  const Index d = map_->inputs();
-  const Scaling &xs = map_->x_scaling(), &ys = map_->y_scaling();
+  const Index d = map_.map().inputs();
   const auto past = MatrixXd::Map(state + kept(), kept(), kept());
   UncertainPoint point{VectorXd::Map(x, d), MatrixXd::Zero(d, d)};
   for (const Lag& lag : lags_) {
     point.mean[lag.regressor] = state[lag.kept];
-    for (const Lag& other : lags_)
-      point.covariance(lag.regressor, other.regressor) =
-          past(lag.kept, other.kept) / (xs.scale[lag.regressor] * xs.scale[other.regressor]);
+    for (const Lag& other : lags_) point.covariance(lag.regressor, other.regressor) = past(lag.kept, other.kept);
   }
-  point.mean = (point.mean - xs.offset).cwiseQuotient(xs.scale);
-  const UncertainPrediction found = propagator_.predict(point);
-  return {ys.offset + ys.scale.cwiseProduct(found.mean), found.covariance.cwiseProduct(ys.scale * ys.scale.transpose()),
-          ys.scale.asDiagonal() * found.slope * xs.scale.cwiseInverse().asDiagonal()};
+  return map_.predict(point);
 }
 
 void UncertainRun::advance(const Step& step, const double* state, double* next) const {
@@ -77,7 +76,7 @@ void UncertainRun::advance(const Step& step, const double* state, double* next) 
   mean << step.mean, VectorXd::Map(state, older);
   covariance.topLeftCorner(m, m) = step.covariance;
   if (feed_noise_) {
-    for (Index o = 0; o < m; ++o) covariance(o, o) += map_->noise_variance(o);
+    for (Index o = 0; o < m; ++o) covariance(o, o) += map_.map().noise_variance(o);
   }
   covariance.bottomRightCorner(older, older) = past.topLeftCorner(older, older);
   covariance.topRightCorner(m, older) = cross.leftCols(older);

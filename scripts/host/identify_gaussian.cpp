@@ -274,6 +274,20 @@ int uncertain(lua_State* L) {
   return 3;
 }
 
+int propagate(lua_State* L) {
+  gp_self(L, "knows how uncertain it is");
+  const Options o(L, 4, "the options of propagate", {"propagation"});
+  const identify::UncertainPoint point{vector_of(L, 2, "x"), matrix_of(L, 3, "covariance")};
+  const auto map = std::dynamic_pointer_cast<const GpMap>(self(L).map);
+  identify::check_point(point, map->inputs());
+  const identify::UncertainMap uncertain(map, identify::find_propagation(o.text("propagation", "moment_matching")));
+  const identify::UncertainPrediction found = uncertain.predict(point);
+  push_numbers(L, found.mean);
+  push_matrix(L, found.covariance);
+  push_matrix(L, found.slope * point.covariance);
+  return 3;
+}
+
 int add(lua_State* L) {
   const NarxModel& model = self(L);
   const GpMap& map = gp_self(L, "takes in single measurements");
@@ -330,6 +344,11 @@ Entries gaussian_process_methods() {
        "free run of a Gaussian process: mean and variance of the function, and, of several outputs, their covariances "
        "with each other, row by row; trajectories: drawn at random instead; noise: that the outputs fed back have "
        "noise"},
+      {"propagate", guarded<propagate>,
+       "x: pl.Vector, covariance: pl.Vector, options?: {propagation?: \"naive\"|\"first_order\"|\"moment_matching\"}",
+       "pl.Vector, pl.Vector, pl.Vector",
+       "a Gaussian process where the regressors are uncertain themselves, with that mean and covariance: means and "
+       "covariances of the outputs, and covariances of each output (a row) with the regressors"},
       {"add", guarded<add>, "data: pl.DataSet", "pl.LearnedModel",
        "a Gaussian process with more measurements; its hyperparameters stay"},
   };

@@ -386,6 +386,29 @@ TEST(GaussianProcess, RunsASparseOneAsTheLibraryDoes) {
   EXPECT_NEAR(mean, std::sin(0.8), 0.1);
 }
 
+// At an uncertain point: the numbers of the library in the user's units.
+TEST(Map, OfAGaussianProcessCarriesTheUncertaintyOfItsInputs) {
+  const std::string file = "tests/blocks/models/gaussian_process.yaml", block = "blocks: {m: {type: gaussian_process, ";
+  const auto map = std::dynamic_pointer_cast<const identify::GpMap>(identify::load_model(file)->map);
+  ASSERT_EQ(map->inputs(), 1);
+  for (const char* how : {"first_order", "moment_matching"}) {
+    const Signals r = run(block + "propagation: " + how + ", model: " + file +
+                          ", in: {x: 0.5, x_covariance: 0.01}}}\nsimulation: {stop: 1}\n" +
+                          "record: [m.y, m.variance, m.covariance]\n");
+    const identify::UncertainPrediction expected =
+        identify::UncertainMap(map, identify::find_propagation(how))
+            .predict({Eigen::VectorXd::Constant(1, 0.5), Eigen::MatrixXd::Constant(1, 1, 0.01)});
+    EXPECT_EQ(r.last("m.y"), expected.mean[0]);
+    EXPECT_EQ(r.last("m.variance"), expected.covariance(0, 0));
+    EXPECT_EQ(r.last("m.covariance"), expected.covariance(0, 0));
+  }
+  EXPECT_THAT(findings(block + "model: " + file + ", in: {x: 0.5, x_covariance: 0.01}}}\nsimulation: {stop: 1}\n"),
+              HasSubstr("naive leaves the covariance of x out; first_order and moment_matching use it"));
+  EXPECT_THAT(
+      findings(block + "propagation: first_order, model: " + file + ", in: {x: 0.5}}}\nsimulation: {stop: 1}\n"),
+      HasSubstr("first_order and moment_matching need the covariance of x, so port x_covariance needs a wire"));
+}
+
 // Of two outputs, both fed back: means, variances and the covariance of the two.
 TEST(Narx, CarriesTheCovarianceOfTwoOutputsAlong) {
   using namespace identify;

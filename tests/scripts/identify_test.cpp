@@ -156,6 +156,23 @@ TEST_F(Identification, CarriesTheUncertaintyOfSeveralOutputs) {
             "2\t4\ttrue\ttrue\ttrue\tfalse\n2\t4\ttrue\ttrue\ttrue\ttrue\n2\t4\ttrue\ttrue\ttrue\ttrue");
 }
 
+// A quadratic function of a normal variable: E x^2 = 0.3^2 + 0.04, var x^2 = 2*0.04^2 + 4*0.3^2*0.04, cov(x^2, x) =
+// 2*0.3*0.04.
+TEST_F(Identification, CarriesTheUncertaintyOfAPointAlong) {
+  const std::string made =
+      "local x = pl.linspace(-2, 2, 41)\n"
+      "local d = pl.identify.data{u = x, y = x^2, Ts = 1}\n"
+      "local m = pl.identify.gaussian_process(d, {regressors = 'u(k)', covariance = 'se_ard + linear*linear', "
+      "starts = 2, iterations = 60})\n";
+  EXPECT_EQ(printed(made + "for _, how in ipairs{'first_order', 'moment_matching'} do\n"
+                           "  local y, C, cross = m:propagate({0.3}, {0.04}, {propagation = how})\n"
+                           "  print(('%.3f %.4f %.3f'):format(y[1], C(1, 1), cross(1, 1)))\nend"),
+            "0.090 0.0144 0.024\n0.130 0.0176 0.024");
+  EXPECT_THAT(complaint(made + "m:propagate({0.3, 1}, {0.04})"), HasSubstr("the point has 2 inputs, the model 1"));
+  EXPECT_THAT(complaint(made + "m:propagate({0.3}, {-0.04})"),
+              HasSubstr("the covariance of the point has the eigenvalue -0.04; no variance is below 0"));
+}
+
 TEST_F(Identification, TrainsNetworksOnThroughTime) {
   EXPECT_EQ(printed("local I = pl.identify\n"
                     "local u = I.staircase{samples = 300, hold = 5, lower = -1, upper = 1, seed = 1}\n"

@@ -306,6 +306,29 @@ TEST(FirstOrder, IsExactForALinearFunction) {
   EXPECT_LT((found.slope - exact.slope).norm(), 1e-12);
 }
 
+TEST(UncertainPoint, SaysWhatIsWrongWithIt) {
+  const auto complaint = [](const VectorXd& mean, const MatrixXd& covariance) -> std::string {
+    try {
+      check_point({mean, covariance}, 2);
+      return "";
+    } catch (const IdentifyError& error) {
+      return error.what();
+    }
+  };
+  const VectorXd mean = VectorXd::Zero(2);
+  const MatrixXd unit = MatrixXd::Identity(2, 2);
+  EXPECT_EQ(complaint(mean, unit), "");
+  EXPECT_EQ(complaint(mean, MatrixXd::Zero(2, 2)), "");
+  EXPECT_EQ(complaint(VectorXd::Zero(3), unit), "the point has 3 inputs, the model 2");
+  EXPECT_EQ(complaint(mean, MatrixXd::Identity(3, 3)),
+            "the covariance of the point is 3 x 3; the model has 2 inputs, so it is 2 x 2");
+  EXPECT_EQ(complaint(mean, unit / 0.0), "the point has numbers that are not finite");
+  EXPECT_EQ(complaint(mean, (MatrixXd(2, 2) << 1, 0.5, 0.25, 1).finished()),
+            "the covariance of the point is not symmetric: its element 2, 1 is 0.25, 1, 2 is 0.5");
+  EXPECT_EQ(complaint(mean, (MatrixXd(2, 2) << 1, 1.5, 1.5, 1).finished()),
+            "the covariance of the point has the eigenvalue -0.5; no variance is below 0");
+}
+
 TEST(Propagation, SaysWhichCovariancesHaveAClosedForm) {
   const std::vector<GaussianProcess> models = models_of("matern_3_2", MeanFunction::zero);
   try {
