@@ -74,6 +74,12 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
              const GpOptions& options, const FitControl& control) {
   check_data(x, y);
   if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
+  const double rows = static_cast<double>(x.rows());
+  if (rows > 12000)  // three matrices of covariances in 4 GB
+    fail(
+        "an exact process of {} points needs about {:.0f} GB; take fewer points, or see all of them through inducing "
+        "inputs, as the approximations fitc and vfe do",
+        x.rows(), std::ceil(rows * rows * 8 * 3 / 1e9));
   const MeanFunction mean = find_mean_function(options.mean);
   FitReport report;
   report.method = fmt::format("maximum likelihood, {}",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "identify/gp/gp_map.h"
@@ -159,7 +160,9 @@ int gaussian_process(lua_State* L) {
   g.max_iterations = integer(o, "iterations", m.given.empty() ? g.max_iterations : 0);
   if (g.max_iterations < 0) o.wrong("iterations", "0 or more");
   g.seed = seed_of(o);
-  m.most = integer(o, "points", m.most);
+  // What is only evaluated is evaluated at all rows.
+  const bool trained = m.given.empty() || g.max_iterations > 0;
+  m.most = integer(o, "points", trained ? m.most : std::numeric_limits<int>::max());
   if (m.most < 1) o.wrong("points", "1 or more");
   m.normalise = o.has("normalise") ? o.flag("normalise") : m.given.empty();
   m.sparse = sparse_options(L, o);

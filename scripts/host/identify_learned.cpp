@@ -152,16 +152,23 @@ int predict_points(lua_State* L) {
   std::vector<double> scratch(static_cast<std::size_t>(map.scratch_size()));
   Eigen::VectorXd x(map.inputs()), row(map.outputs());
   const double each = gp == nullptr ? 1e3 : 1e3 + std::pow(static_cast<double>(gp->process(0).x().rows()), 2);
-  for (Index i = 0; i < X.rows(); ++i) {
-    session_of(L).sandbox.work(L, each / 4);
-    x = X.row(i).transpose();
-    map.evaluate(x.data(), row.data(), scratch.data());
-    y.row(i) = row.transpose();
-    if (gp == nullptr) continue;
-    gp->variance(x.data(), row.data(), nullptr);
-    variance.row(i) = row.transpose();
-    for (Index o = 0; o < row.size(); ++o) measured(i, o) = row[o] + gp->noise_variance(o);
+  constexpr Index some = 256;  // variances of many points at a time are several times faster
+  for (Index first = 0; first < X.rows(); first += some) {
+    const Index rows = std::min(some, X.rows() - first);
+    session_of(L).sandbox.work(L, static_cast<double>(rows) * each / 8);
+    for (Index i = first; i < first + rows; ++i) {
+      x = X.row(i).transpose();
+      map.evaluate(x.data(), row.data(), scratch.data());
+      y.row(i) = row.transpose();
+    }
+    for (Index o = 0; gp != nullptr && o < y.cols(); ++o) {
+      const Eigen::MatrixXd points = gp->x_scaling().normalised(X.middleRows(first, rows));
+      const double scale = gp->y_scaling().scale[o];
+      variance.col(o).segment(first, rows) = scale * scale * gp->process(o).predict(points).variance;
+    }
   }
+  for (Index o = 0; gp != nullptr && o < y.cols(); ++o)
+    measured.col(o) = variance.col(o).array() + gp->noise_variance(o);
   push_columns(L, y);
   if (gp == nullptr) return 1;
   push_columns(L, variance);

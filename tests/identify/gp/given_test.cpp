@@ -282,6 +282,16 @@ TEST(GivenErrors, AreInTheUsersWords) {
   trained.process.max_iterations = 5;
   EXPECT_EQ(complaint(trained, seven_y()),
             "the noise variance v0 is 0; a fit that begins there needs one greater than 0");
+  try {
+    GpModelOptions all = given("se_ard", "zero", {vector({1, 1}), 0.1});
+    all.most = 20000;
+    fit_gp_map(VectorXd::LinSpaced(13000, 0, 1), VectorXd::LinSpaced(13000, 0, 1), all);
+    FAIL();
+  } catch (const IdentifyError& error) {
+    EXPECT_STREQ(error.what(),
+                 "an exact process of 13000 points needs about 5 GB; take fewer points, or see all of them through "
+                 "inducing inputs, as the approximations fitc and vfe do");
+  }
   // Of several outputs the second one.
   MatrixXd two(7, 2);
   two << seven_y(), seven_y();
