@@ -200,7 +200,9 @@ local scored_from = math.floor(options.skip)
 
 -- The free run: NARX models begin with the measured samples that they look back to, linear ones with the state that fits the
 -- samples that are not scored best; more of what is measured none of them sees.
+local has_state = {["linear model"] = true, ["state-space model"] = true, ["neural state-space model"] = true}
 local function free_run(model, part)
+  if not has_state[getmetatable(model)] then return model:simulate(part) end
   return model:simulate(part, {start = "estimated", samples = math.max(scored_from, 10)})
 end
 
@@ -852,7 +854,7 @@ local function judge_jointly(model, parts, deviations)
   for o in ipairs(all.outputs) do
     local square, count = 0, 0
     for _, part in ipairs(parts) do
-      local ok, y = pcall(function() return model:simulate(part) end)
+      local ok, y = pcall(free_run, model, part)
       if not ok then return nil, math.huge end
       local skip = math.min(scored_from, part.samples // 4)
       local e = (part:column(all.outputs[o]) - y:column(o)):slice(skip + 1, part.samples)
@@ -877,7 +879,7 @@ local function identify_jointly(single)
   end
   local split = splits_of(searched, 1e9)[1]
   local rows = split.train.samples
-  print(("\nAll outputs together: networks beside a linear model, identified on %d samples"):format(rows))
+  print(("\nAll outputs together: neural state-space models, and networks beside a linear model, identified on %d samples"):format(rows))
   print(("  %-44s %s"):format("structure; RMSE of the free run, held back", table.concat(all.outputs, "  ")))
 
   -- Each input acts as late as on the output on which it acts first.
@@ -919,6 +921,38 @@ local function identify_jointly(single)
       best = {model = model, mean = mean, errors = errors, of_y = of_y, of_u = of_u, neurons = neurons, decay = decay}
     end
   end
+  -- A state that all outputs share. What it was made of goes on where it is best.
+  local function try_state(order, neurons, decay)
+    local outputs = #all.outputs
+    local parameters = neurons * (order + inputs + 1) + order * (neurons + order + inputs + 1) + outputs * (order + inputs + 1)
+    local work = rows * (outputs * parameters ^ 2 * 3e-10 + 1e-6) * (15 * 4 + 60)
+    local key = table.concat({"state", order, neurons, ("%.1g"):format(decay)}, " ")
+    if order < 1 or order > 12 or neurons > 40 or tried[key] or spent + work > budget then return end
+    tried[key] = true
+    spent = spent + work
+    local late, direct = {}, false
+    for i = 1, inputs do late[i], direct = math.max(0, from[i]), direct or from[i] < 0 end
+    local ok, model = pcall(identify.neural_state_space, split.train, {order = order, hidden = neurons, delay = late, feedthrough = direct,
+                            decay = decay, starts = 4, refined = 1, iterations = 60, seed = seed})
+    if not ok then return end
+    local errors, mean = judge_jointly(model, split.held_parts, deviations)
+    if not errors then return end
+    local texts = {}
+    for o, e in ipairs(errors) do texts[o] = ("%.5g"):format(e) end
+    print(("  %-44s %s"):format(("state of order %d, %d neurons, decay %.1g"):format(order, neurons, decay), table.concat(texts, "  ")))
+    if not best or mean < best.mean then best = {model = model, mean = mean, errors = errors, order = order, neurons = neurons, decay = decay} end
+  end
+  for _, order in ipairs{#all.outputs, #all.outputs + 1, 2 * #all.outputs} do try_state(order, 8, 1e-2) end
+  for _ = 1, 4 do
+    local b = best
+    if not b then break end
+    try_state(b.order + 1, b.neurons, b.decay)
+    try_state(b.order, math.ceil(1.6 * b.neurons), b.decay)
+    try_state(b.order, b.neurons, b.decay / 10)
+    try_state(b.order, b.neurons, b.decay * 10)
+    if best == b then break end
+  end
+  budget = budget + spent
   for _, neurons in ipairs{4, 8, 14} do
     try(math.min(ny, 2), math.min(nu, 2), neurons, 1e-2)
   end
@@ -928,6 +962,7 @@ local function identify_jointly(single)
   end
   for _ = 1, 3 do
     local b = best
+    if b.order then break end
     for _, factor in ipairs{0.1, 10} do try(b.of_y, b.of_u, b.neurons, b.decay * factor) end
     try(b.of_y + 1, b.of_u, b.neurons, b.decay)
     try(b.of_y, b.of_u + 1, b.neurons, b.decay)
@@ -950,7 +985,7 @@ local function identify_jointly(single)
     for i = 1, test.experiments do tests[i] = test:experiment(i) end
     test_errors = judge_jointly(final, tests, deviations)
     for i, part in ipairs(test_errors and tests or {}) do
-      local run, columns, labels = final:simulate(part), {}, {}
+      local run, columns, labels = free_run(final, part), {}, {}
       for k = 1, part.samples do
         columns[k] = {}
         for o, label in ipairs(all.outputs) do
