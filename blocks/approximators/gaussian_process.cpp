@@ -16,8 +16,8 @@ struct GaussianProcess final : MapBlock {
   static constexpr auto summary = "Run a Gaussian process that was identified from data, with its variance.";
   static constexpr auto details =
       "y = k(x)' K^-1 (t - m) + m(x),  variance = k(x, x) - k(x)' K^-1 k(x): that of the function itself; a "
-      "measurement adds the noise v0 of the model file. Derivatives of both are exact. A model with regressors of the "
-      "past runs in the block narx.  "
+      "measurement adds the noise v0 of the model file. Sparse models (fitc, vfe) have their inducing inputs in place "
+      "of the data. Derivatives of both are exact. A model with regressors of the past runs in the block narx.  "
       "Where x is itself uncertain, x ~ N(x, x_covariance), `propagation` says what becomes of it: first_order "
       "linearises, moment_matching is exact in mean and variance, for sums and products of the covariances se_ard and "
       "linear; then `covariance` also says how the outputs depend on each other.";

@@ -109,6 +109,135 @@ void warn_of_inducing(const MatrixXd& u, std::vector<std::string>& warnings) {
                                    together, u.rows()));
 }
 
+// What a fit is about, and its report on the way.
+class SparseTraining {
+ public:
+  SparseTraining(const MatrixXd& x, const VectorXd& y, const GpOptions& options, const SparseOptions& sparse,
+                 const FitControl& control)
+      : x_(x),
+        y_(y),
+        options_(options),
+        sparse_(sparse),
+        control_(control),
+        covariance_(find_covariance(options.covariance)),
+        mean_(find_mean_function(options.mean)),
+        criterion_(sparse.method == SparseMethod::fitc ? "FITC likelihood" : "variational bound"),
+        cells_(size_of(x, sparse)) {
+    if (options.start) check_hyperparameters(*covariance_, static_cast<int>(x.cols()), *options.start);
+    report_.samples = y.size();
+    report_.seed = options.seed;
+    warn_of_data(x, x.cols(), y, report_.warnings);
+    u_ = first_inducing(x, options, sparse, report_.warnings);
+    report_.options = {fmt::format("covariance {}", covariance_->name()), fmt::format("mean {}", options.mean),
+                       fmt::format("approximation {}", name_of(sparse.method)),
+                       fmt::format("inducing inputs {}{}", u_.rows(), sparse.hold ? ", held" : "")};
+  }
+
+  SparseFit evaluated() {
+    SparseGaussianProcess model = process(*options_.start, u_);
+    report_.method = fmt::format("{}, hyperparameters as given", criterion_);
+    report_.parameters = options_.start->theta.size() + 1;
+    report_.seed = 0;
+    report_.reached = model.log_likelihood();
+    report_.tried = {fmt::format("{} at the given hyperparameters: {:.6g}", criterion_, report_.reached)};
+    report_.stopped = "nothing was trained";
+    warn_of_inducing(u_, report_.warnings);
+    warn_of_numbers(model, report_.warnings);
+    return {std::move(model), std::move(report_)};
+  }
+
+  SparseFit trained() {
+    if (options_.start && !(options_.start->v0 > 0))
+      throw IdentifyError("the noise variance v0 is 0; a fit that begins there needs one greater than 0");
+    guess_ = options_.start ? logs_of(*options_.start) : first_guess(*covariance_, x_, y_);
+    if (!guess_.allFinite()) fail("the numbers of the data are too large or too small; normalise them first");
+    const Minimum end = best_of(descents(options_.start ? std::vector<VectorXd>{guess_} : first_stage()));
+    const bool conjugate = end.x.size() > most_of_quasi_newton || options_.method == Descent::conjugate_gradient;
+    report_.method = fmt::format("{}, {}", criterion_, conjugate ? "conjugate gradients" : "quasi-Newton");
+    report_.parameters = end.x.size();
+    report_.reached = -end.value;
+    report_.iterations = end.iterations;
+    report_.stopped = end.stop;
+    SparseGaussianProcess model = process(from_logs(end.x.head(guess_.size())), inducing_of(end.x, guess_.size(), u_));
+    warn_of_result(model, y_, guess_, options_.bound, report_.warnings);
+    warn_of_inducing(model.inducing(), report_.warnings);
+    return {std::move(model), std::move(report_)};
+  }
+
+ private:
+  SparseGaussianProcess process(Hyperparameters at, MatrixXd u) const {
+    return {sparse_.method, covariance_, mean_, std::move(at), x_, y_, std::move(u)};
+  }
+
+  // The best optima of an exact process of some rows.
+  std::vector<VectorXd> first_stage() {
+    const std::vector<Index> rows = drawn_rows(x_.rows(), std::min(x_.rows(), most_rows_of_first_stage), options_.seed);
+    const GpFit first = fit_gp(covariance_, x_(rows, Eigen::all), y_(rows), options_,
+                               {[&](double fraction) { control_.step(0.2 * fraction); }, control_.cancel});
+    for (const std::string& line : first.report.tried)
+      report_.tried.push_back(fmt::format("exact process of {} rows, {}", rows.size(), line));
+    std::vector<VectorXd> starts;
+    for (const GpOptimum& optimum : first.optima) {
+      if (static_cast<int>(starts.size()) < sparse_.refined) starts.push_back(logs_of(optimum.hyperparameters));
+    }
+    return starts;
+  }
+
+  std::vector<Minimum> descents(const std::vector<VectorXd>& starts) const {
+    const auto count = static_cast<int>(starts.size());
+    std::vector<Minimum> ends(starts.size());
+    Watch watch({[&](double fraction) { control_.step(0.2 + 0.8 * fraction); }, control_.cancel},
+                static_cast<double>(count) * options_.max_iterations);
+    // Two of them at a time need the memory twice.
+    parallel_for(count, cells_ > 1e7 ? 1 : options_.threads, [&](int i) {
+      const VectorXd start = packed(starts[static_cast<std::size_t>(i)], u_, sparse_.hold);
+      const Objective objective = [&](const VectorXd& at, VectorXd* gradient) {
+        watch.step();
+        return value(at, gradient);
+      };
+      Minimum& end = ends[static_cast<std::size_t>(i)];
+      end = minimise(objective, start, search_of(guess_, start, x_, u_, options_));
+      watch.skip(options_.max_iterations - end.evaluations);
+    });
+    return ends;
+  }
+  double value(const VectorXd& at, VectorXd* gradient) const {
+    const Index logs = guess_.size();
+    const Likelihood found = sparse_likelihood(sparse_.method, *covariance_, mean_, from_logs(at.head(logs)), x_, y_,
+                                               inducing_of(at, logs, u_), gradient != nullptr);
+    if (gradient != nullptr) *gradient = packed(-found.gradient, -found.by_inducing, sparse_.hold);
+    return -found.value;
+  }
+
+  Minimum best_of(const std::vector<Minimum>& ends) {
+    const Minimum* best = nullptr;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      report_.tried.push_back(fmt::format("{} from {} {}: {:.6g} after {} iterations; {}", criterion_,
+                                          options_.start ? "given hyperparameters" : "optimum", i + 1, -ends[i].value,
+                                          ends[i].iterations, ends[i].stop));
+      if (std::isfinite(ends[i].value) && (best == nullptr || ends[i].value < best->value)) best = &ends[i];
+    }
+    if (best == nullptr)
+      fail(
+          "the likelihood is not defined at any of the starts: the covariances of the inducing inputs are not positive "
+          "definite");
+    return *best;
+  }
+
+  const MatrixXd& x_;
+  const VectorXd& y_;
+  const GpOptions& options_;
+  const SparseOptions& sparse_;
+  const FitControl& control_;
+  std::shared_ptr<const Covariance> covariance_;
+  MeanFunction mean_;
+  std::string criterion_;
+  double cells_;
+  MatrixXd u_;      // where the inducing inputs begin
+  VectorXd guess_;  // the middle of the bounds
+  FitReport report_;
+};
+
 }  // namespace
 
 SparseFit fit_sparse(const MatrixXd& x, const VectorXd& y, const GpOptions& options, const SparseOptions& sparse,
@@ -116,95 +245,8 @@ SparseFit fit_sparse(const MatrixXd& x, const VectorXd& y, const GpOptions& opti
   check_data(x, y);
   if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
   if (sparse.refined < 1) fail("the number of refined optima is {}; it must be 1 or more", sparse.refined);
-  const std::shared_ptr<const Covariance> covariance = find_covariance(options.covariance);
-  const MeanFunction mean = find_mean_function(options.mean);
-  if (options.start) check_hyperparameters(*covariance, static_cast<int>(x.cols()), *options.start);
-  FitReport report;
-  report.samples = y.size();
-  report.seed = options.seed;
-  warn_of_data(x, x.cols(), y, report.warnings);
-  const double cells = size_of(x, sparse);
-  const MatrixXd u = first_inducing(x, options, sparse, report.warnings);
-  report.options = {fmt::format("covariance {}", covariance->name()), fmt::format("mean {}", options.mean),
-                    fmt::format("approximation {}", name_of(sparse.method)),
-                    fmt::format("inducing inputs {}{}", u.rows(), sparse.hold ? ", held" : "")};
-  const std::string criterion = sparse.method == SparseMethod::fitc ? "FITC likelihood" : "variational bound";
-  if (options.start && options.max_iterations == 0) {
-    SparseGaussianProcess model(sparse.method, covariance, mean, *options.start, x, y, u);
-    report.method = fmt::format("{}, hyperparameters as given", criterion);
-    report.parameters = options.start->theta.size() + 1;
-    report.seed = 0;
-    report.reached = model.log_likelihood();
-    report.tried = {fmt::format("{} at the given hyperparameters: {:.6g}", criterion, report.reached)};
-    report.stopped = "nothing was trained";
-    warn_of_inducing(u, report.warnings);
-    warn_of_numbers(model, report.warnings);
-    return {std::move(model), std::move(report)};
-  }
-  if (options.start && !(options.start->v0 > 0))
-    throw IdentifyError("the noise variance v0 is 0; a fit that begins there needs one greater than 0");
-
-  const VectorXd guess = options.start ? logs_of(*options.start) : first_guess(*covariance, x, y);
-  if (!guess.allFinite()) fail("the numbers of the data are too large or too small; normalise them first");
-  std::vector<VectorXd> starts;
-  if (options.start) {
-    starts.push_back(guess);
-  } else {
-    const std::vector<Index> rows = drawn_rows(x.rows(), std::min(x.rows(), most_rows_of_first_stage), options.seed);
-    const GpFit first = fit_gp(covariance, x(rows, Eigen::all), y(rows), options,
-                               {[&](double fraction) { control.step(0.2 * fraction); }, control.cancel});
-    for (const std::string& line : first.report.tried)
-      report.tried.push_back(fmt::format("exact process of {} rows, {}", rows.size(), line));
-    for (const GpOptimum& optimum : first.optima) {
-      if (static_cast<int>(starts.size()) < sparse.refined) starts.push_back(logs_of(optimum.hyperparameters));
-    }
-  }
-
-  const Index logs = guess.size();
-  const auto count = static_cast<int>(starts.size());
-  std::vector<Minimum> ends(starts.size());
-  Watch watch({[&](double fraction) { control.step(0.2 + 0.8 * fraction); }, control.cancel},
-              static_cast<double>(count) * options.max_iterations);
-  // Two of them at a time need the memory twice.
-  parallel_for(count, cells > 1e7 ? 1 : options.threads, [&](int i) {
-    const VectorXd start = packed(starts[static_cast<std::size_t>(i)], u, sparse.hold);
-    const Objective objective = [&](const VectorXd& at, VectorXd* gradient) {
-      watch.step();
-      const Likelihood found = sparse_likelihood(sparse.method, *covariance, mean, from_logs(at.head(logs)), x, y,
-                                                 inducing_of(at, logs, u), gradient != nullptr);
-      if (gradient != nullptr) *gradient = packed(-found.gradient, -found.by_inducing, sparse.hold);
-      return -found.value;
-    };
-    Minimum& end = ends[static_cast<std::size_t>(i)];
-    end = minimise(objective, start, search_of(guess, start, x, u, options));
-    watch.skip(options.max_iterations - end.evaluations);
-  });
-  int best = -1;
-  for (int i = 0; i < count; ++i) {
-    const Minimum& end = ends[static_cast<std::size_t>(i)];
-    report.tried.push_back(fmt::format("{} from {} {}: {:.6g} after {} iterations; {}", criterion,
-                                       options.start ? "given hyperparameters" : "optimum", i + 1, -end.value,
-                                       end.iterations, end.stop));
-    if (std::isfinite(end.value) && (best < 0 || end.value < ends[static_cast<std::size_t>(best)].value)) best = i;
-  }
-  if (best < 0)
-    fail(
-        "the likelihood is not defined at any of the starts: the covariances of the inducing inputs are not positive "
-        "definite");
-  const Minimum& end = ends[static_cast<std::size_t>(best)];
-  report.method = fmt::format("{}, {}", criterion,
-                              end.x.size() > most_of_quasi_newton || options.method == Descent::conjugate_gradient
-                                  ? "conjugate gradients"
-                                  : "quasi-Newton");
-  report.parameters = end.x.size();
-  report.reached = -end.value;
-  report.iterations = end.iterations;
-  report.stopped = end.stop;
-  SparseGaussianProcess model(sparse.method, covariance, mean, from_logs(end.x.head(logs)), x, y,
-                              inducing_of(end.x, logs, u));
-  warn_of_result(model, y, guess, options.bound, report.warnings);
-  warn_of_inducing(model.inducing(), report.warnings);
-  return {std::move(model), std::move(report)};
+  SparseTraining training(x, y, options, sparse, control);
+  return options.start && options.max_iterations == 0 ? training.evaluated() : training.trained();
 }
 
 }  // namespace plantloop::identify
