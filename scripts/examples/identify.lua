@@ -584,7 +584,7 @@ local function identify_output(output)
     local parameters = s.hidden * (all + 1) + s.order * (s.hidden + all + 1) + s.out * (all + 2) + s.order + 1
     local function work_of() return rows * (parameters ^ 2 * 3e-10 + 1e-6) * (15 * starts + refined * iterations) end
     -- Short records allow more.
-    local more = math.max(1, math.min(4, math.floor(4 / work_of())))
+    local more = math.max(1, math.min(4, math.floor(4 * math.min(1, effort) / work_of())))
     if s.projections > 0 then starts, refined = more * starts, more * refined end
     iterations = more * iterations
     local work = work_of()
