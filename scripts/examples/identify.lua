@@ -753,12 +753,12 @@ local function identify_output(output)
   print(("\n  least error: %s, free run %.5g held back, %.2f %% of the standard deviation"):format(best.what, best.held, 100 * best.held / deviation))
   if best.held > 0.95 * deviation then print "  that is hardly better than the mean of the output: the inputs do not explain it" end
   -- Of models that cannot be told apart one with clearly fewer parameters: their mean squares, piece by piece of the blocks
-  -- held back, differ from the best by less than one standard error.
+  -- held back, differ from the best by no more than chance makes in one case of twenty.
   local least = best
   for _, c in ipairs(candidates) do
     if c.held < 1.05 * least.held and #c.pieces == #least.pieces and c.parameters < 0.8 * best.parameters then
       local d = pl.vector(c.pieces) - pl.vector(least.pieces)
-      if pl.mean(d) < pl.std(d) / math.sqrt(#d) and fit_to_use(c) then best = c end
+      if pl.mean(d) < 1.64 * pl.std(d) / math.sqrt(#d) and fit_to_use(c) then best = c end
     end
   end
   if best ~= least then print(("  not to be told apart from it, with %d parameters instead of %d: %s"):format(best.parameters, least.parameters, best.what)) end

@@ -251,7 +251,9 @@ void push_series(lua_State* L, const identify::Series& series) {
 
 int simulate(lua_State* L) {
   const Options o(L, 3, "the options of simulate", {"start", "samples"});
-  const std::string start = o.text("start", "measured");
+  // Measured samples are the state of an equation error model; of the others noise in them hides it.
+  const bool by_outputs = self(L).A.size() > 1 || self(L).orders().nf == std::vector<int>(self(L).B.size(), 0);
+  const std::string start = o.text("start", by_outputs ? "measured" : "estimated");
   if (start != "measured" && start != "estimated" && start != "zero") o.wrong("start", "measured, estimated or zero");
   push_series(L, identify::simulate(self(L), data_argument(L, 2),
                                     start == "zero"        ? identify::Start::zero
@@ -407,7 +409,7 @@ Entries linear_model_methods() {
   return {
       {"simulate", guarded<simulate>,
        "data: pl.DataSet, options?: {start?: \"measured\"|\"estimated\"|\"zero\", samples?: integer}", "pl.Vector",
-       "free run: the outputs are the model's own"},
+       "free run: the outputs are the model's own; measured is the start of models with A, else estimated"},
       {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer, options?: {initial?: \"rest\"|\"estimate\"}",
        "pl.Vector", "the output that many steps after the last measured one"},
       {"residuals", guarded<residuals>, "data: pl.DataSet, options?: {initial?: \"rest\"|\"estimate\"}", "pl.Vector",
