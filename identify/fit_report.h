@@ -3,8 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,9 @@ struct FitReport {
   std::vector<std::string> tried;  // one line for each start, structure or size
   long long samples = 0;           // rows that the criterion is made of
   long long parameters = 0;
-  double reached = 0;                 // the criterion: mean square of the prediction error unless the method says else
+  double reached = 0;
+  // What `reached` is, in words.
+  std::string measure = "mean square of the prediction error";
   long long iterations = 0;           // 0: none were needed
   std::string stopped;                // "the gradient vanished", "the limit of 100 iterations"
   std::vector<std::string> warnings;  // ill-conditioned, unexcited, unstable, ...
@@ -32,15 +36,17 @@ std::string to_text(const FitReport& report);
 Item to_item(const FitReport& report);
 FitReport fit_report_of(const Item& item);
 
-// How a long fit is watched. Both may be empty.
+// How a long fit is watched. All may be empty.
 struct FitControl {
   std::function<void(double fraction)> progress;  // 0 to 1, called from the thread that called the fit
   const std::atomic<bool>* cancel = nullptr;      // set from anywhere: the fit raises Cancelled
+  std::optional<std::chrono::steady_clock::time_point> deadline{};  // from then on the fit raises Cancelled
   void step(double fraction) const;
+  void look() const;  // raises Cancelled when the fit is to end; from any thread
 };
 class Cancelled : public IdentifyError {
  public:
-  Cancelled() : IdentifyError("the fit was cancelled") {}
+  using IdentifyError::IdentifyError;
 };
 
 }  // namespace plantloop::identify

@@ -32,6 +32,7 @@ class Trainer {
   }
 
   TrainingResult run() {
+    const Watched watched(watch_);
     linearise();
     if (!std::isfinite(v_)) return result("the error at the start is not finite");
     look_at_validation();
@@ -41,6 +42,7 @@ class Trainer {
         why = fmt::format("no element of the gradient is above {:g}", options_.gradient);
       } else if (done_ >= options_.iterations) {
         why = fmt::format("the limit of {} iterations was reached", options_.iterations);
+        at_limit_ = true;
       } else {
         watch_.step();
         ++done_;
@@ -189,6 +191,7 @@ class Trainer {
     end.iterations = done_;
     end.stopped = std::move(why);
     end.ill_conditioned = ill_conditioned_;
+    end.at_limit = at_limit_;
     if (std::isfinite(v_)) {
       const MatrixXd part = Eigen::LDLT<MatrixXd>(damped(1e-300)).solve(r_);
       end.effective_parameters = (part.array() * part.transpose().array()).sum();
@@ -204,7 +207,7 @@ class Trainer {
   MatrixXd r_;
   double two_n_ = 1, sse_ = 0, v_ = 0, lambda_ = options_.lambda, rate_ = 0, best_validation_ = 0;
   int done_ = 0, best_at_ = 0;
-  bool small_ = false, ill_conditioned_ = false;
+  bool small_ = false, ill_conditioned_ = false, at_limit_ = false;
 };
 
 }  // namespace

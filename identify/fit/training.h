@@ -59,6 +59,7 @@ struct TrainingResult {
   int iterations = 0;
   std::string stopped;
   bool ill_conditioned = false;     // Gauss-Newton left directions out
+  bool at_limit = false;            // of iterations, with more to gain
   double effective_parameters = 0;  // tr[R (R + D)^-1 R (R + D)^-1] at the end
 };
 

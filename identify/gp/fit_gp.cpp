@@ -31,6 +31,7 @@ VectorXd random_start(const VectorXd& guess, std::uint64_t seed, int number) {
 
 Minimum maximise(const Covariance& covariance, MeanFunction mean, const MatrixXd& x, const VectorXd& y,
                  const VectorXd& guess, const VectorXd& start, const GpOptions& options, Watch& watch) {
+  const Watched watched(watch);
   const Objective objective = [&](const VectorXd& logs, VectorXd* gradient) {
     watch.step();
     const Likelihood found = log_likelihood(covariance, mean, from_logs(logs), x, y, gradient != nullptr);
@@ -81,7 +82,15 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
         "inputs, as the approximations fitc and vfe do",
         x.rows(), std::ceil(rows * rows * 8 * 3 / 1e9));
   const MeanFunction mean = find_mean_function(options.mean);
+  constexpr Index most_points = 16'000;
+  if (x.rows() > most_points)
+    fail(
+        "{} points need {:.1f} GB for each matrix of an exact process, of which there are several; at most {} are "
+        "taken: "
+        "choose fewer 'points', or approximation = \"fitc\"",
+        x.rows(), 8e-9 * static_cast<double>(x.rows()) * static_cast<double>(x.rows()), most_points);
   FitReport report;
+  report.measure = "log likelihood of the normalised outputs";
   report.method = fmt::format("maximum likelihood, {}",
                               options.method == Descent::quasi_newton ? "quasi-Newton" : "conjugate gradients");
   report.samples = y.size();

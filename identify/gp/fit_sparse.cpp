@@ -125,6 +125,7 @@ class SparseTraining {
         cells_(size_of(x, sparse)) {
     if (options.start) check_hyperparameters(*covariance_, static_cast<int>(x.cols()), *options.start);
     report_.samples = y.size();
+    report_.measure = criterion_;
     report_.seed = options.seed;
     warn_of_data(x, x.cols(), y, report_.warnings);
     u_ = first_inducing(x, options, sparse, report_.warnings);
@@ -172,8 +173,9 @@ class SparseTraining {
   // The best optima of an exact process of some rows.
   std::vector<VectorXd> first_stage() {
     const std::vector<Index> rows = drawn_rows(x_.rows(), std::min(x_.rows(), most_rows_of_first_stage), options_.seed);
-    const GpFit first = fit_gp(covariance_, x_(rows, Eigen::all), y_(rows), options_,
-                               {[&](double fraction) { control_.step(0.2 * fraction); }, control_.cancel});
+    const GpFit first =
+        fit_gp(covariance_, x_(rows, Eigen::all), y_(rows), options_,
+               {[&](double fraction) { control_.step(0.2 * fraction); }, control_.cancel, control_.deadline});
     for (const std::string& line : first.report.tried)
       report_.tried.push_back(fmt::format("exact process of {} rows, {}", rows.size(), line));
     std::vector<VectorXd> starts;
@@ -186,13 +188,14 @@ class SparseTraining {
   std::vector<Minimum> descents(const std::vector<VectorXd>& starts) const {
     const auto count = static_cast<int>(starts.size());
     std::vector<Minimum> ends(starts.size());
-    Watch watch({[&](double fraction) { control_.step(0.2 + 0.8 * fraction); }, control_.cancel},
+    Watch watch({[&](double fraction) { control_.step(0.2 + 0.8 * fraction); }, control_.cancel, control_.deadline},
                 static_cast<double>(count) * options_.max_iterations);
     // Two of them at a time need the memory twice.
     parallel_for(count, cells_ > 1e7 ? 1 : options_.threads, [&](int i) {
       const VectorXd start = packed(starts[static_cast<std::size_t>(i)], u_, sparse_.hold);
       const Objective objective = [&](const VectorXd& at, VectorXd* gradient) {
         watch.step();
+        const Watched watched(watch);
         return value(at, gradient);
       };
       Minimum& end = ends[static_cast<std::size_t>(i)];

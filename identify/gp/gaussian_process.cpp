@@ -4,11 +4,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <cmath>
 
 #include "identify/dense/dense.h"
 #include "identify/error.h"
+#include "identify/fit/parallel.h"
+#include "identify/linear/least_squares.h"
 
 namespace plantloop::identify {
 
@@ -27,7 +28,8 @@ VectorXd fit_mean(MeanFunction mean, const MatrixXd& factor, const MatrixXd& x, 
   VectorXd target = y;
   solve_lower(factor, h);
   solve_lower(factor, target);
-  return h.colPivHouseholderQr().solve(target);
+  if (!h.allFinite() || !target.allFinite()) return VectorXd::Zero(h.cols());
+  return least_squares(h, target).theta;
 }
 
 VectorXd residual(MeanFunction mean, const VectorXd& coefficients, const MatrixXd& x, const VectorXd& y) {
@@ -55,13 +57,16 @@ Likelihood log_likelihood(const Covariance& covariance, MeanFunction mean, const
   const VectorXd noise = covariance.noise_weight(x);
   factor.diagonal() += at.v0 * noise;
   factor.diagonal().array() += jitter;
+  look_up();
   if (!factorise(factor)) return result;
+  look_up();
   const VectorXd r = residual(mean, fit_mean(mean, factor, x, y), x, y);
   const VectorXd alpha = solved(factor, r);
   result.value = value_of(factor, r, alpha);
   if (!with_gradient || !std::isfinite(result.value)) return result;
   // 1/2 tr[(alpha alpha' - K^-1) dK/dlog theta]; the matrix is made once, in the factor's place.
   invert_factored(factor);
+  look_up();
   for (Index j = 0; j < r.size(); ++j) {
     auto column = factor.col(j).tail(r.size() - j);
     column = 0.5 * (alpha[j] * alpha.tail(r.size() - j) - column);

@@ -9,6 +9,7 @@
 #include "identify/dense/dense.h"
 #include "identify/error.h"
 #include "identify/gp/gp_file.h"
+#include "identify/linear/least_squares.h"
 
 namespace plantloop::identify {
 
@@ -55,7 +56,8 @@ VectorXd fit_mean(const MatrixXd& H, const VectorXd& y, const MatrixXd& scaled, 
   projected.bottomRows(m) = -z;
   VectorXd target = VectorXd::Zero(n + m);
   target.head(n) = root.cwiseProduct(y);
-  return projected.colPivHouseholderQr().solve(target);
+  if (!projected.allFinite() || !target.allFinite()) return VectorXd::Zero(projected.cols());
+  return least_squares(projected, target).theta;
 }
 
 Seen see(SparseMethod method, const Covariance& covariance, MeanFunction mean, const Hyperparameters& at,

@@ -44,6 +44,8 @@ LeastSquares least_squares(const MatrixXd& X, const VectorXd& y, const LeastSqua
   if (X.rows() != y.size()) fail("there are {} rows of regressors and {} targets", X.rows(), y.size());
   if (X.cols() == 0) fail("there are no regressors");
   if (X.rows() == 0) fail("there are no rows to fit");
+  constexpr Index most = 5000;
+  if (X.cols() > most) fail("least squares takes at most {} parameters at once, here are {}", most, X.cols());
   if (!(options.ridge >= 0)) fail("the ridge must be 0 or more, it is {}", options.ridge);
   if (!X.allFinite() || !y.allFinite()) fail("least squares needs finite numbers; some are missing or infinite");
 

@@ -206,7 +206,7 @@ RegressionModel fit_selected(const DataSet& data, const RegressorSet& candidates
     control.step(0.8 * static_cast<double>(count) / static_cast<double>(total));
     // Every size up to 8, then in steps of a tenth and more.
     if (count > 8 && count % std::max<std::size_t>(1, count / 8) != 0 && count != total) continue;
-    FitControl inner{{}, control.cancel};
+    FitControl inner{{}, control.cancel, control.deadline};
     const RegressionModel model = fit_terms(train, first_terms(candidates, path, count), options, inner);
     const double error = free_run_error(model, held);
     report.tried.push_back(fmt::format("{} terms, the last {}: free run {:.5g} on what was held back", count,

@@ -95,6 +95,12 @@ class Fitting {
   }
   void estimate_global(std::vector<LocalModel>& models, const MatrixXd& mu, std::vector<std::string>& warnings) const {
     const Index d = x_.cols();
+    if (d * mu.cols() > 3000)
+      fail(
+          "{} local models have {} parameters, which global estimation solves for at once; it takes at most 3000: "
+          "fewer "
+          "models, or estimation = \"local\"",
+          mu.cols(), d * mu.cols());
     MatrixXd rows(x_.rows(), d * mu.cols());
     for (Index i = 0; i < mu.cols(); ++i)
       rows.middleCols(i * d, d) = mu.col(i).asDiagonal() * x_ * per_size_.asDiagonal();
@@ -130,6 +136,15 @@ class Fitting {
         options_.estimation == LocalEstimation::global ? ", global least squares" : ", local least squares";
     report.samples = x_.rows();
     report.parameters = static_cast<long long>(models.size()) * x_.cols() * y_.cols();
+    report.measure = "mean square of the error";
+    const LocalModelOptions usual;
+    if (options_.width != usual.width) report.options.push_back(fmt::format("width {:g}", options_.width));
+    if (options_.ridge != usual.ridge) report.options.push_back(fmt::format("ridge {:g}", options_.ridge));
+    if (!options_.scheduling.empty()) {
+      std::vector<int> numbers = options_.scheduling;
+      for (int& number : numbers) ++number;
+      report.options.push_back(fmt::format("scheduling {}", fmt::join(numbers, " ")));
+    }
     report.reached = errors(models, mu).squaredNorm() / static_cast<double>(y_.size());
     return {std::make_shared<LocalModelNetwork>(scheduling_, std::move(models)), std::move(report), {}};
   }
@@ -177,6 +192,10 @@ LocalModelFit fit_lolimot(const MatrixXd& X, const MatrixXd& Y, int models, cons
                           const FitControl& control) {
   const Fitting fitting(X, Y, options);
   if (models < 1) fail("the number of local models is {}; it must be 1 or more", models);
+  // A tree of more models would have some that see fewer rows than they have parameters.
+  const Index most = std::max<Index>(1, X.rows() / (X.cols() + 1));
+  const bool too_many = models > most;
+  if (too_many) models = static_cast<int>(most);
   std::vector<Cell> cells{fitting.box()};
   std::vector<LocalModel> tree = fitting.place(cells);
   MatrixXd mu = fitting.memberships(tree);
@@ -185,10 +204,16 @@ LocalModelFit fit_lolimot(const MatrixXd& X, const MatrixXd& Y, int models, cons
   FitReport report;
   report.method = "local linear model tree";
   report.stopped = fmt::format("{} local models were asked for", models);
+  if (too_many) {
+    report.stopped = fmt::format("{} rows have no more than {} models of {} parameters", X.rows(), most, X.cols() + 1);
+    report.warnings.push_back(
+        fmt::format("More local models were asked for than {} rows can have: {} of {} parameters each.", X.rows(), most,
+                    X.cols() + 1));
+  }
   std::vector<double> history;
   const auto note = [&] {
     history.push_back(std::sqrt(e.squaredNorm() / static_cast<double>(e.size())));
-    report.tried.push_back(fmt::format("{} models: error {:.6g}", tree.size(), history.back()));
+    report.tried.push_back(fmt::format("{} models: error {:.6g} (root mean square)", tree.size(), history.back()));
   };
   note();
   while (static_cast<int>(tree.size()) < models) {
@@ -203,6 +228,7 @@ LocalModelFit fit_lolimot(const MatrixXd& X, const MatrixXd& Y, int models, cons
     std::vector<Cell> best_cells;
     for (const Index worst : order) {
       for (Index axis = 0; axis < fitting.axes(); ++axis) {
+        control.look();
         std::vector<Cell> cut = cells;
         Cell& low = cut[static_cast<std::size_t>(worst)];
         Cell high = low;

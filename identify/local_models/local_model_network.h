@@ -71,7 +71,8 @@ LocalModelFit fit_local_grid(const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y,
 
 // LOLIMOT (O. Nelles 2001): from one model to `models`, each time the worst cell (greatest sum of mu e^2) is cut in
 // half along the axis that helps most; local estimation while the tree grows, the estimation asked for at the end.
-// Where no cut helps, the next worst cell is tried.
+// Where no cut helps, the next worst cell is tried. Never more models than rows over parameters of each: they would see
+// fewer rows than they have parameters. A warning says so.
 LocalModelFit fit_lolimot(const Eigen::MatrixXd& X, const Eigen::MatrixXd& Y, int models,
                           const LocalModelOptions& options = {}, const FitControl& control = {});
 

@@ -32,14 +32,42 @@ double score(const TrainingResult& result, bool validated) {
 }
 
 std::string line_of(const std::string& what, const TrainingResult& result, Index targets, const Training* validation) {
-  std::string text = fmt::format("{}: error {:.6g}", what, std::sqrt(result.sse / static_cast<double>(targets)));
+  std::string text =
+      fmt::format("{}: error {:.6g} (root mean square)", what, std::sqrt(result.sse / static_cast<double>(targets)));
   if (validation != nullptr)
     text += fmt::format(", validation {:.6g}",
                         std::sqrt(result.validation_sse / static_cast<double>(validation->targets())));
   return text + fmt::format(" after {} iterations; {}", result.iterations, result.stopped);
 }
 
+std::string measure_of(const MlpOptions& options) {
+  return fmt::format("mean square of the error{}{}", options.normalise ? " of the normalised outputs" : "",
+                     options.training.decay > 0 ? ", without the weight decay that the criterion has beside it" : "");
+}
+
 namespace {
+
+// Training solves equations of as many unknowns as there are weights, again at each iteration.
+void check_size(Index inputs, Index rows, Index outputs, const MlpOptions& options) {
+  if (std::any_of(options.hidden.begin(), options.hidden.end(), [](int neurons) { return neurons < 1; })) return;
+  const auto count = [&](const std::vector<int>& hidden) {
+    double weights = options.direct ? static_cast<double>(inputs * outputs) : 0, before = static_cast<double>(inputs);
+    for (const int neurons : hidden) {
+      weights += neurons * (before + 1);
+      before = neurons;
+    }
+    return weights + static_cast<double>(outputs) * (before + 1);
+  };
+  constexpr double most = 3000;
+  const double weights = count(options.hidden), targets = static_cast<double>(rows * outputs);
+  if (weights <= std::min(most, std::max(200.0, 10 * targets))) return;
+  int neurons = 1;
+  while (count({neurons + 1}) <= std::min(most, targets)) ++neurons;
+  fail(
+      "the network would have {:.0f} weights and there are {:.0f} targets. Training takes at most {:.0f} weights, and "
+      "data determine no more than there are targets: one layer of {} neurons has {:.0f}",
+      weights, targets, most, neurons, count({neurons}));
+}
 
 void check_options(const MlpOptions& options) {
   if (options.starts < 1) fail("the number of starts is {}; it must be 1 or more", options.starts);
@@ -73,6 +101,9 @@ void warn(const Network& network, const MatrixXd& x, const TrainingResult& resul
   if (network.parameters() > targets)
     warnings.push_back(fmt::format("There are {} weights for {} targets; weight decay or fewer neurons are needed.",
                                    network.parameters(), targets));
+  if (result.at_limit)
+    warnings.push_back(fmt::format("Training stopped at its limit of {} iterations; more may improve the network.",
+                                   result.iterations));
   if (result.ill_conditioned)
     warnings.emplace_back(
         "The normal equations were singular; Gauss-Newton left directions out that the data do not "
@@ -145,6 +176,18 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
   report.seed = options.seed;
   report.options.push_back(fmt::format("hidden {}", fmt::join(options.hidden, " ")));
   if (options.activation != Activation::tanh) report.options.push_back("activation " + name_of(options.activation));
+  const MlpOptions usual;
+  if (options.output_activation != usual.output_activation)
+    report.options.push_back("output_activation " + name_of(options.output_activation));
+  if (options.starts != usual.starts) report.options.push_back(fmt::format("starts {}", options.starts));
+  if (options.spread != usual.spread) report.options.push_back(fmt::format("spread {:g}", options.spread));
+  if (options.training.iterations != usual.training.iterations)
+    report.options.push_back(fmt::format("iterations {}", options.training.iterations));
+  if (!options.normalise) report.options.emplace_back("not normalised");
+  if (stages > 0 && options.refined != usual.refined)
+    report.options.push_back(fmt::format("refined {}", options.refined));
+  if (check != nullptr && options.training.patience != usual.training.patience)
+    report.options.push_back(fmt::format("patience {}", options.training.patience));
   if (options.direct) report.options.emplace_back("direct");
   if (options.training.decay > 0) report.options.push_back(fmt::format("decay {:g}", options.training.decay));
   if (!options.horizons.empty()) report.options.push_back(fmt::format("horizons {}", fmt::join(options.horizons, " ")));
@@ -190,6 +233,7 @@ MlpFit fit_task(const Task& task, const Network& shape, const std::vector<Vector
   Network network = shape;
   network.set_theta(fit.training.theta);
   report.reached = fit.training.sse / static_cast<double>(targets);
+  report.measure = measure_of(options);
   report.iterations = fit.training.iterations;
   report.stopped = fit.training.stopped;
   warn(network, task.X, fit.training, targets, report.warnings);
@@ -235,6 +279,7 @@ Network shape_for(Index inputs, Index outputs, const MlpOptions& options) {
 MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MlpOptions& options, const FitControl& control) {
   check_options(options);
   check_rows(X, Y);
+  check_size(X.cols(), X.rows(), Y.cols(), options);
   const Network shape = shape_for(X.cols(), Y.cols(), options);
   const Task task = normalised(X, Y, options.normalise);
   return fit_task(task, shape, random_starts(shape, task.X, task.Y, options), options, control);
@@ -248,6 +293,7 @@ MlpFit fit_mlp(const MatrixXd& X, const MatrixXd& Y, const MatrixXd& X_validatio
   if (X.cols() != X_validation.cols() || Y.cols() != Y_validation.cols())
     fail("the validation data has {} inputs and {} outputs, the data {} and {}", X_validation.cols(),
          Y_validation.cols(), X.cols(), Y.cols());
+  check_size(X.cols(), X.rows(), Y.cols(), options);
   const Network shape = shape_for(X.cols(), Y.cols(), options);
   Task task = normalised(X, Y, options.normalise);
   task.X_validation = task.x.normalised(X_validation);
@@ -277,6 +323,7 @@ NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, con
     return fit_with_noise(data, regressors, validation, options, control);
   const Regression rows = make_regression(data, regressors);
   check_rows(rows.X, rows.Y);
+  check_size(rows.X.cols(), rows.X.rows(), rows.Y.cols(), options);
   const Network shape = shape_for(rows.X.cols(), rows.Y.cols(), options);
   Task task = normalised(rows.X, rows.Y, options.normalise);
   const bool validated = !validation.experiments.empty();
@@ -337,6 +384,7 @@ NarxMlpFit refine_narx_mlp(const DataSet& data, const RegressorSet& regressors, 
     fit.report.parameters = network.parameters();
     fit.report.tried.push_back(line_of("the given model", fit.training, targets, check));
     fit.report.reached = fit.training.sse / static_cast<double>(targets);
+    fit.report.measure = measure_of(options);
     fit.report.iterations = fit.training.iterations;
     fit.report.stopped = fit.training.stopped;
     warn(network, task.X, fit.training, targets, fit.report.warnings);

@@ -12,6 +12,8 @@ namespace plantloop::identify {
 // What starts are compared by: the validation error, or the criterion; infinite where there is none.
 double score(const TrainingResult& result, bool validated);
 // A line of a report's `tried`.
+// What the number that a fit reached is.
+std::string measure_of(const MlpOptions& options);
 std::string line_of(const std::string& what, const TrainingResult& result, Eigen::Index targets,
                     const Training* validation);
 

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "identify/fit/parallel.h"
+
 namespace plantloop::identify {
 
 // Gradients of outputs are columns; J'J is added for a block of them at once.
@@ -29,6 +31,7 @@ class NormalSum {
   static constexpr Eigen::Index block = 192;
   void flush() {
     if (filled_ == 0) return;
+    look_up();
     const auto full = columns_.leftCols(filled_);
     r_.selfadjointView<Eigen::Lower>().rankUpdate(full);
     g_.noalias() += full * errors_.head(filled_);

@@ -24,6 +24,7 @@ double StaticTraining::sse(const VectorXd& theta) const {
   VectorXd scratch(network.scratch_size()), out(network.outputs());
   double sum = 0;
   for (Index k = 0; k < x_.cols(); ++k) {
+    if (k % 256 == 0) look_up();
     network.evaluate(x_.col(k).data(), out.data(), scratch.data());
     sum += (y_.col(k) - out).squaredNorm();
   }
@@ -85,6 +86,7 @@ double SimulationTraining::sse(const VectorXd& theta) const {
   for (const Experiment& experiment : experiments_) {
     MatrixXd y = experiment.y;
     for (Index k = first; k < y.rows(); ++k) {
+      if (k % 256 == 0) look_up();
       fill_row(regressors_, experiment.u, y, k, x.data());
       x = (x - x_.offset).cwiseQuotient(x_.scale);
       network.evaluate(x.data(), out.data(), scratch.data());

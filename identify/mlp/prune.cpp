@@ -221,6 +221,7 @@ Pruned prune(const Mlp& model, const MatrixXd& X, const MatrixXd& Y, const Matri
   result.model = std::make_shared<Mlp>(std::move(network), model.x_scaling(), model.y_scaling());
   FitReport& report = result.report;
   report.method = "optimal brain surgeon";
+  report.measure = "mean square of the error of the normalised outputs";
   report.samples = X.rows();
   report.parameters = best.weights;
   report.reached = best.sse / static_cast<double>(surgeon.targets());
@@ -228,8 +229,9 @@ Pruned prune(const Mlp& model, const MatrixXd& X, const MatrixXd& Y, const Matri
   report.stopped = fmt::format("{} of {} weights have the least {}", best.weights, result.steps.front().weights,
                                test ? "test error" : "final prediction error");
   for (const PruneStep& step : result.steps)
-    report.tried.push_back(fmt::format("{} weights: training {:.6g}, {} {:.6g}", step.weights, step.sse,
-                                       test ? "test" : "final prediction error", measure(step)));
+    report.tried.push_back(fmt::format("{} weights: sum of squares {:.6g} in training, {} {:.6g}", step.weights,
+                                       step.sse, test ? "sum of squares of the test" : "final prediction error",
+                                       measure(step)));
   return result;
 }
 

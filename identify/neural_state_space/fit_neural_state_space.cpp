@@ -88,6 +88,7 @@ void report_on(NeuralStateSpace& model, const DataSet& data, const Shapes& shape
   report.samples = targets;
   report.parameters = shapes.parameters() + model.order() * static_cast<Index>(model.x0.size());
   report.reached = best.sse / static_cast<double>(targets);
+  report.measure = "mean square of the error of the normalised outputs";
   report.iterations = best.iterations;
   report.stopped = best.stopped;
   report.seed = options.seed;

@@ -220,6 +220,7 @@ RbfFit fit_rbf(const MatrixXd& X, const MatrixXd& Y, const RbfOptions& options, 
   }
   shape.widths = widths(shape.centres.rows());
   report.method = "least squares";
+  report.measure = "mean square of the error of outputs normalised to 0 ... 1";
   if (report.stopped.empty()) report.stopped = fmt::format("{} functions were asked for", options.functions);
   if (report.tried.empty()) report.tried.push_back(fmt::format("{} centres", shape.centres.rows()));
   shape.weights = fit_weights(radial_matrix(shape.function, shape.centres, shape.widths, x), y, options, report);
@@ -239,12 +240,21 @@ RbfFit fit_rbf(const MatrixXd& X, const MatrixXd& Y, const RbfOptions& options, 
     report.tried.push_back(fmt::format("before: mean square {:.6g}", report.reached));
     report.reached = result.sse / static_cast<double>(y.size());
     report.iterations = result.iterations;
+    if (result.at_limit)
+      report.warnings.push_back(fmt::format(
+          "Training stopped at its limit of {} iterations; more may improve the network.", result.iterations));
     report.stopped = result.stopped;
     report.parameters += 2 * shape.centres.size();
   }
   report.samples = X.rows();
   report.options.push_back(fmt::format("{}, width {:g}", name_of(options.function), options.width));
+  report.options.push_back(fmt::format("functions {}", options.functions));
+  if (options.centres != RbfCentres::ols)
+    report.options.push_back(fmt::format("centres {}", centre_names[static_cast<std::size_t>(options.centres)]));
+  if (!options.constant) report.options.emplace_back("no constant");
   if (options.ridge > 0) report.options.push_back(fmt::format("ridge {:g}", options.ridge));
+  if (options.tolerance > 0) report.options.push_back(fmt::format("tolerance {:g}", options.tolerance));
+  if (options.optimise) report.options.push_back(fmt::format("optimise, iterations {}", options.iterations));
   if (options.function == Radial::quadratic)
     report.warnings.push_back(fmt::format(
         "Sums of r^2 are quadratic functions of the inputs, so more than {} functions add nothing.", X.cols() + 2));

@@ -299,7 +299,7 @@ const std::vector<Field<NarxModel>>& fields() {
        "pruned",
        [](lua_State* L, const M& m) { push_numbers(L, weights_of(m)); }},
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.channels.Ts); }},
-      {"report", "table", "method, samples, reached, iterations, stopped, tried, warnings, text",
+      {"report", "table", "method, samples, reached, measure, iterations, stopped, tried, warnings, text",
        [](lua_State* L, const M& m) { push_report(L, m.fit); }},
   };
   return list;

@@ -345,7 +345,7 @@ const std::vector<Field<PolynomialModel>>& fields() {
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.Ts); }},
       {"stable", "boolean", "all poles inside the unit circle",
        [](lua_State* L, const M& m) { lua_pushboolean(L, m.is_stable() ? 1 : 0); }},
-      {"report", "table", "method, samples, reached, iterations, stopped, tried, warnings, text",
+      {"report", "table", "method, samples, reached, measure, iterations, stopped, tried, warnings, text",
        [](lua_State* L, const M& m) { push_report(L, m.fit); }},
   };
   return list;

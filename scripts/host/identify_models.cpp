@@ -60,7 +60,7 @@ const std::vector<Field<StateSpaceModel>>& state_space_fields_list() {
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.Ts); }},
       {"stable", "boolean", "all poles inside the unit circle",
        [](lua_State* L, const M& m) { lua_pushboolean(L, m.is_stable() ? 1 : 0); }},
-      {"report", "table", "method, samples, reached, stopped, tried, warnings, text",
+      {"report", "table", "method, samples, reached, measure, stopped, tried, warnings, text",
        [](lua_State* L, const M& m) { push_report(L, m.fit); }},
   };
   return list;
@@ -164,7 +164,7 @@ const std::vector<Field<RegressionModel>>& narx_fields_list() {
       {"longest_lag", "integer", "samples before the first prediction",
        [](lua_State* L, const M& m) { lua_pushinteger(L, m.regressors.longest_lag()); }},
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.Ts); }},
-      {"report", "table", "method, samples, reached, iterations, stopped, tried, warnings, text",
+      {"report", "table", "method, samples, reached, measure, iterations, stopped, tried, warnings, text",
        [](lua_State* L, const M& m) { push_report(L, m.fit); }},
   };
   return list;

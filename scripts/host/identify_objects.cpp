@@ -3,8 +3,10 @@
 #include "scripts/host/identify_objects.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "engine/base/files.h"
 
@@ -68,6 +70,7 @@ void push_report(lua_State* L, const identify::FitReport& report) {
   number("samples", static_cast<double>(report.samples));
   number("parameters", static_cast<double>(report.parameters));
   number("reached", report.reached);
+  text("measure", report.measure);
   number("iterations", static_cast<double>(report.iterations));
   text("stopped", report.stopped);
   push_texts(L, report.tried);
@@ -125,12 +128,18 @@ std::vector<std::string> texts(lua_State* L, const Options& options, const char*
 }
 
 identify::FitControl control_of(lua_State* L) {
+  const Session& of = session_of(L);
+  std::optional<std::chrono::steady_clock::time_point> deadline;
+  if (const double left = of.sandbox.seconds_left(); std::isfinite(left)) {
+    deadline = std::chrono::steady_clock::now() +
+               std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(left));
+  }
   return {[L](double fraction) {
             Session& session = session_of(L);
             session.sandbox.work(L, 1e5);
             if (session.options.progress) session.options.progress("", std::clamp(fraction, 0.0, 0.999));
           },
-          session_of(L).options.cancel};
+          of.options.cancel, deadline};
 }
 
 void push_data(lua_State* L, identify::DataSet data) {

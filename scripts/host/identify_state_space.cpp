@@ -71,7 +71,7 @@ const std::vector<Field<NeuralStateSpace>>& fields() {
       {"deviations", "pl.Vector", "root mean square of each output's error over the data of the fit",
        [](lua_State* L, const M& m) { push_numbers(L, m.deviations); }},
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.Ts); }},
-      {"report", "table", "method, samples, reached, iterations, stopped, tried, warnings, text",
+      {"report", "table", "method, samples, reached, measure, iterations, stopped, tried, warnings, text",
        [](lua_State* L, const M& m) { push_report(L, m.fit); }},
   };
   return list;

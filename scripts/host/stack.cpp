@@ -9,6 +9,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/report.h"
+#include "identify/fit_report.h"
 #include "scripts/host/session.h"
 
 namespace plantloop::lua {
@@ -17,6 +18,11 @@ void push_error(lua_State* L, const std::exception& e) {
   Session& session = session_of(L);
   if (dynamic_cast<const std::bad_alloc*>(&e)) session.sandbox.exceed(Limit::memory);
   if (dynamic_cast<const LimitError*>(&e)) session.sandbox.look_around();
+  // A fit looks at the same clock and the same wish to stop, from all of its threads.
+  if (dynamic_cast<const identify::Cancelled*>(&e) != nullptr) {
+    session.sandbox.look_around();
+    session.sandbox.exceed(Limit::time);  // unless something else was found
+  }
   if (session.sandbox.exceeded() != Limit::none) {
     session.sandbox.push_end(L);
     return;

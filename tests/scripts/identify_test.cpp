@@ -487,6 +487,48 @@ TEST_F(Identification, SaysWhatIsWrongInTheUsersWords) {
   EXPECT_THAT(complaint("pl.identify.load 'm.yaml'"), HasSubstr("m.yaml:1:1: the key 'structure' is missing"));
 }
 
+TEST_F(Identification, RefusesOptionsThatMakeNoSense) {
+  const auto said = [&](const std::string& call, const std::string& words) {
+    EXPECT_EQ(with_data("print(select(2, pcall(function() return " + call + " end)))").find(words) != std::string::npos,
+              true)
+        << call << "\n"
+        << with_data("print(select(2, pcall(function() return " + call + " end)))");
+  };
+  said("identify.oe(data, {nb = 1, nf = 1, iterations = -3})", "the number of iterations is -3; it must be 0 or more");
+  said("identify.polynomial(data, {regressors = 'y(k-1), u(k-1)', iterations = -1})",
+       "the number of iterations is -1; it must be 0 or more");
+  said("identify.polynomial(data, {regressors = 'y(k-1), u(k-1)', validation = 2})",
+       "'validation' is the part of the record that is held back, greater than 0 and less than 1; it is 2");
+  said("identify.mlp(data, {regressors = 'y(k-1), u(k-1)', patience = -1})",
+       "the patience is a number of iterations, 1 or more; it is -1");
+  said("identify.mlp(data, {regressors = 'y(k-1), u(k-1)', seed = -1})",
+       "'seed' must be a whole number, 0 or more, it is");
+  said("identify.rbf_network(data, {regressors = 'y(k-1), u(k-1)', tolerance = -1})",
+       "the tolerance is the part of the variance that may stay unexplained, 0 or more and less than 1; it is -1");
+  said("identify.periodogram(data.y, 0)", "the sampling time of a periodogram must be greater than 0 s, it is 0 s");
+  said("identify.spectral(data, {window = 'hanning'})",
+       "there is no window 'hanning'; there are hamming, hann, bartlett, parzen");
+  const std::string prune =
+      "identify.mlp(data, {regressors = 'y(k-1), u(k-1)', hidden = 2, starts = 1, iterations = 2}):prune";
+  said(prune + "(data, {least = -1})", "'least' is the number of weights at which pruning ends, 1 or more; it is -1");
+  said(prune + "(data, {decay = -1})", "the weight decay is -1; it must be 0 or greater");
+}
+
+// Of a script's limit of time every thread of a fit knows, in the midst of an iteration too.
+TEST_F(Identification, AFitEndsWithTheScriptsTime) {
+  options.time_limit = 1;
+  const ScriptResult result = run(R"lua(local identify = pl.identify
+      local u = identify.white_noise{samples = 20000, seed = 1}
+      local data = identify.data{u = u, y = pl.sin(u), Ts = 1}
+      pcall(identify.mlp, data, {regressors = "y(k-1..3), u(k-1..3)", hidden = 150})
+      print "went on")lua");
+  EXPECT_EQ(result.status, script_failed);
+  EXPECT_THAT(result.messages,
+              HasSubstr("stopped: the script ran for 1 s, its limit (--max-time SECONDS gives it more)"));
+  EXPECT_EQ(result.output.find("went on"), std::string::npos);
+  EXPECT_LT(result.seconds, 20);
+}
+
 TEST_F(Identification, AdvisesOnData) {
   EXPECT_THAT(with_data("for _, line in ipairs(data:advice()) do print(line) end"),
               HasSubstr("'u' acts on 'level' after about 1 sample"));

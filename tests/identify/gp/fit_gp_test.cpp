@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 
 #include "identify/error.h"
@@ -170,6 +171,31 @@ TEST(Minimise, TakesBackStepsToWhereTheFunctionIsNotDefined) {
     return x[0] - std::log(x[0]);
   };
   EXPECT_NEAR(minimise(log_barrier, VectorXd::Constant(1, 30.0)).x[0], 1, 1e-6);
+}
+
+// Matrices of 2500 points take seconds each, and ten starts minutes.
+TEST(FitGp, EndsSoonAfterItsDeadline) {
+  Random random(3);
+  MatrixXd x(2500, 3);
+  for (double& v : x.reshaped()) v = random.normal();
+  const VectorXd y = x.rowwise().sum().array().sin();
+  FitControl control;
+  const auto start = std::chrono::steady_clock::now();
+  control.deadline = start + std::chrono::milliseconds(300);
+  EXPECT_THROW(fit_gp(x, y, {}, control), Cancelled);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(FitGp, RefusesMorePointsThanAnExactProcessHasRoomFor) {
+  try {
+    fit_gp(MatrixXd::Random(16'001, 1), VectorXd::Random(16'001));
+    ADD_FAILURE();
+  } catch (const IdentifyError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "16001 points need 2.0 GB for each matrix of an exact process, of which there are several; at most 16000 "
+        "are taken: choose fewer 'points', or approximation = \"fitc\"");
+  }
 }
 
 }  // namespace

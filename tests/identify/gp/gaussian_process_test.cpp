@@ -216,5 +216,21 @@ TEST(GpErrors, AreInTheUsersWords) {
             "there is no mean function 'square'; there are zero, constant, linear");
 }
 
+// Two equal inputs: one of them has the slope of the mean, they do not share 1e13 and -1e13.
+TEST(GaussianProcess, ALinearMeanOfEqualInputsStaysFinite) {
+  MatrixXd x(60, 2);
+  x.col(0) = VectorXd::LinSpaced(60, -1, 1);
+  x.col(1) = x.col(0);
+  const VectorXd y = 3 * x.col(0);
+  VectorXd theta(3);
+  theta << 1, 1, 1;
+  const GaussianProcess model(find_covariance("se_ard"), MeanFunction::linear, {theta, 1e-4}, x, y);
+  MatrixXd far(1, 2);
+  far << 40, 40;
+  EXPECT_NEAR(model.predict_mean(far)[0], 120, 1e-6);
+  far << 40, 40.001;
+  EXPECT_NEAR(model.predict_mean(far)[0], 120, 0.01);
+}
+
 }  // namespace
 }  // namespace plantloop::identify

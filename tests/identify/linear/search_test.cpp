@@ -255,5 +255,13 @@ TEST(LinearModels, SayWhatIsWrong) {
   EXPECT_EQ(m.fit.warnings[1].substr(0, 43), "the data determine only 2 of 3 parameters: ");
 }
 
+TEST(LinearModels, RefuseNegativeIterationsAndRidges) {
+  const VectorXd u = VectorXd::Random(50);
+  const DataSet data = make_data_set(u, u, 1);
+  EXPECT_THROW(fit_linear(data, {.nb = {1}, .nf = {1}}, {.iterations = -3}), IdentifyError);
+  EXPECT_THROW(fit_linear(data, {.nb = {1}}, {.ridge = -1}), IdentifyError);
+  EXPECT_THROW(fit_filtered(data, {.na = 1, .nb = {1}}, {}, -1), IdentifyError);
+}
+
 }  // namespace
 }  // namespace plantloop::identify

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "identify/error.h"
@@ -181,6 +182,35 @@ TEST(LocalModelErrors, AreInTheUsersWords) {
   MatrixXd flat = e.rows.X;
   flat.col(0).setConstant(2);
   EXPECT_EQ(complaint([&] { fit_lolimot(flat, e.rows.Y, 3); }), "scheduling variable 1 does not vary: from 2 to 2");
+}
+
+// 1000 models of 3 parameters from 199 rows never ended.
+TEST(FitLolimot, StopsWhereModelsWouldSeeFewerRowsThanTheyHaveParameters) {
+  const DataSet data = first_order_data(200, 4, 1, 0.01);
+  const RegressorSet set = parse_regressors("y(k-1), u(k-1)", data);
+  const Regression rows = make_regression(data, set);
+  const LocalModelFit fit = fit_lolimot(rows.X, rows.Y, 1000);
+  EXPECT_LE(fit.model->models().size(), 66U);
+  ASSERT_FALSE(fit.report.warnings.empty());
+  EXPECT_EQ(fit.report.warnings[0],
+            "More local models were asked for than 199 rows can have: 66 of 3 parameters each.");
+  FitControl control;
+  control.deadline = std::chrono::steady_clock::now();
+  EXPECT_THROW(fit_lolimot(rows.X, rows.Y, 60, {}, control), Cancelled);
+}
+
+TEST(FitLocalGrid, RefusesMoreParametersAtOnceThanCanBeSolvedFor) {
+  const Example e;
+  LocalModelOptions options = e.options;
+  options.estimation = LocalEstimation::global;
+  try {
+    fit_local_grid(e.rows.X, e.rows.Y, 40, options);
+    ADD_FAILURE();
+  } catch (const IdentifyError& error) {
+    EXPECT_STREQ(error.what(),
+                 "1600 local models have 4800 parameters, which global estimation solves for at once; it takes at most "
+                 "3000: fewer models, or estimation = \"local\"");
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "identify/error.h"
@@ -211,6 +212,83 @@ TEST(FitMlpErrors, AreInTheUsersWords) {
             "the data has numbers that are not finite; leave such rows out");
   EXPECT_EQ(complaint([&] { find_training_method("adam"); }),
             "there is no training method 'adam'; there are levenberg_marquardt, gauss_newton, back_propagation");
+}
+
+// 8001 weights for 199 targets: equations of 8001 unknowns ran for minutes before anything was said.
+TEST(FitMlp, RefusesFarMoreWeightsThanThereAreTargets) {
+  const DataSet data = first_order_data(200, 4, 1);
+  const RegressorSet set = parse_regressors("y(k-1), u(k-1)", data);
+  for (const int neurons : {600, 2000, 2'000'000'000}) {
+    MlpOptions options;
+    options.hidden = {neurons};
+    try {
+      fit_narx_mlp(data, set, {}, options);
+      ADD_FAILURE() << neurons;
+    } catch (const IdentifyError& error) {
+      EXPECT_EQ(
+          error.what(),
+          fmt::format("the network would have {:.0f} weights and there are 199 targets. Training takes at most 3000 "
+                      "weights, and data determine no more than there are targets: one layer of 49 neurons has 197",
+                      4.0 * neurons + 1));
+    }
+  }
+}
+
+// The limit is an instant that all threads look at, in the midst of an iteration too. A fit to the end takes minutes.
+TEST(FitMlp, EndsSoonAfterItsDeadlineInEveryThread) {
+  const DataSet data = first_order_data(20'000, 4, 1, 0.01);
+  const RegressorSet set = parse_regressors("y(k-1..3), u(k-1..3)", data);
+  MlpOptions options;
+  options.hidden = {150};
+  const auto start = std::chrono::steady_clock::now();
+  for (const bool simulation : {false, true}) {
+    options.simulation = simulation;
+    FitControl control;
+    control.deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+    EXPECT_THROW(fit_narx_mlp(data, set, {}, options, control), Cancelled);
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+// One piece ends by an exception of its owner's progress; the others learn of it and do not go on to their own ends.
+TEST(FitMlp, EndsInAllThreadsWhenProgressThrows) {
+  const DataSet data = first_order_data(5000, 4, 1, 0.01);
+  const RegressorSet set = parse_regressors("y(k-1..3), u(k-1..3)", data);
+  MlpOptions options;
+  options.hidden = {60};
+  options.threads = 4;
+  FitControl control;
+  control.progress = [](double) { throw std::runtime_error("enough"); };
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_ANY_THROW(fit_narx_mlp(data, set, {}, options, control));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+TEST(FitMlp, SaysWhatItReachedAndThatItsLimitEndedIt) {
+  const DataSet data = first_order_data(300, 4, 1, 0.01);
+  const RegressorSet set = parse_regressors("y(k-1), u(k-1)", data);
+  MlpOptions options;
+  options.hidden = {4};
+  options.starts = 1;
+  options.training.iterations = 3;
+  options.training.decay = 1e-3;
+  const FitReport report = fit_narx_mlp(data, set, {}, options).model.fit;
+  EXPECT_EQ(
+      report.measure,
+      "mean square of the error of the normalised outputs, without the weight decay that the criterion has beside "
+      "it");
+  EXPECT_THAT(report.tried[0],
+              HasSubstr(fmt::format("start 1: error {:.6g} (root mean square)", std::sqrt(report.reached))));
+  EXPECT_THAT(report.warnings,
+              ::testing::Contains("Training stopped at its limit of 3 iterations; more may improve the network."));
+  EXPECT_THAT(to_text(report), HasSubstr(fmt::format("reached: {:.6g}, mean square of the error", report.reached)));
+}
+
+TEST(FitMlp, RefusesAPatienceOfNothing) {
+  const DataSet data = first_order_data(100, 4, 1);
+  MlpOptions options;
+  options.training.patience = 0;
+  EXPECT_THROW(fit_narx_mlp(data, parse_regressors("y(k-1)", data), {}, options), IdentifyError);
 }
 
 }  // namespace
