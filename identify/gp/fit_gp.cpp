@@ -82,13 +82,6 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
         "inputs, as the approximations fitc and vfe do",
         x.rows(), std::ceil(rows * rows * 8 * 3 / 1e9));
   const MeanFunction mean = find_mean_function(options.mean);
-  constexpr Index most_points = 16'000;
-  if (x.rows() > most_points)
-    fail(
-        "{} points need {:.1f} GB for each matrix of an exact process, of which there are several; at most {} are "
-        "taken: "
-        "choose fewer 'points', or approximation = \"fitc\"",
-        x.rows(), 8e-9 * static_cast<double>(x.rows()) * static_cast<double>(x.rows()), most_points);
   FitReport report;
   report.measure = "log likelihood of the normalised outputs";
   report.method = fmt::format("maximum likelihood, {}",

@@ -186,17 +186,5 @@ TEST(FitGp, EndsSoonAfterItsDeadline) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
-TEST(FitGp, RefusesMorePointsThanAnExactProcessHasRoomFor) {
-  try {
-    fit_gp(MatrixXd::Random(16'001, 1), VectorXd::Random(16'001));
-    ADD_FAILURE();
-  } catch (const IdentifyError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "16001 points need 2.0 GB for each matrix of an exact process, of which there are several; at most 16000 "
-        "are taken: choose fewer 'points', or approximation = \"fitc\"");
-  }
-}
-
 }  // namespace
 }  // namespace plantloop::identify
