@@ -83,7 +83,7 @@ GpFit fit_gp(std::shared_ptr<const Covariance> covariance, const MatrixXd& x, co
         x.rows(), std::ceil(rows * rows * 8 * 3 / 1e9));
   const MeanFunction mean = find_mean_function(options.mean);
   FitReport report;
-  report.measure = "log likelihood of the normalised outputs";
+  report.measure = "log likelihood";
   report.method = fmt::format("maximum likelihood, {}",
                               options.method == Descent::quasi_newton ? "quasi-Newton" : "conjugate gradients");
   report.samples = y.size();

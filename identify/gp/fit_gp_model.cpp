@@ -103,6 +103,8 @@ GpMapFit fit_gp_map(const MatrixXd& X, const MatrixXd& Y, const GpModelOptions& 
     }
   }
   fit.report.warnings.insert(fit.report.warnings.end(), warnings.begin(), warnings.end());
+  if (y.cols() > 1) fit.report.measure += " of the first output";
+  if (options.normalise) fit.report.measure += ", normalised";
   fit.model = std::make_shared<GpMap>(std::move(processes), xs, ys);
   return fit;
 }
