@@ -132,6 +132,7 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   if (given.inputs.empty()) fail("the subspace method needs an input");
   const Index i = options.block_rows;
   if (i < 2 || i > 1000) fail("'block_rows' lies between 2 and 1000, it is {}", i);
+  if (options.highest < 1) fail("'highest' is the order to choose from, 1 or more; it is {}", options.highest);
   const int needed = options.order > 0 ? options.order : 1;
   if (options.order < 0 || needed >= i) {
     fail("'order' lies between 0 and block_rows - 1 = {}, it is {}", i - 1, options.order);

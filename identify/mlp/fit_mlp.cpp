@@ -75,12 +75,15 @@ void check_options(const MlpOptions& options) {
   if (!(options.training.decay >= 0)) fail("the weight decay is {:g}; it must be 0 or greater", options.training.decay);
   if (options.training.iterations < 1)
     fail("the number of iterations is {}; it must be 1 or more", options.training.iterations);
+  if (options.refined < 1) fail("the number of refined starts is {}; it must be 1 or more", options.refined);
   if (options.training.patience < 1)
     fail("the patience is a number of iterations, 1 or more; it is {}", options.training.patience);
   if (options.one_step_iterations < 0)
     fail("the number of one-step iterations is {}; it must be 0 or more", options.one_step_iterations);
   if (std::any_of(options.horizons.begin(), options.horizons.end(), [](int length) { return length < 0; }))
     fail("the horizons of the free run are numbers of samples; 0 stands for the whole record");
+  if (!options.horizons.empty() && !options.simulation)
+    fail("'horizons' are lengths of free runs to train on; they need simulation = true");
   if (options.nc < 0 || options.nd < 0) fail("the orders of a noise model, 'nc' and 'nd', must be 0 or more");
   if (options.nd > 0 && !options.simulation)
     fail("a filter D ('nd') stands beside a simulated map only: structure NBJ; of NARMAX there is C ('nc')");
