@@ -517,7 +517,8 @@ TEST_F(Identification, RefusesOptionsThatMakeNoSense) {
 // Of a script's limit of time every thread of a fit knows, in the midst of an iteration too.
 TEST_F(Identification, AFitEndsWithTheScriptsTime) {
   options.time_limit = 1;
-  const ScriptResult result = run(R"lua(local identify = pl.identify
+  const ScriptResult result = run(R"lua(local pl = require "plantloop"
+      local identify = pl.identify
       local u = identify.white_noise{samples = 20000, seed = 1}
       local data = identify.data{u = u, y = pl.sin(u), Ts = 1}
       pcall(identify.mlp, data, {regressors = "y(k-1..3), u(k-1..3)", hidden = 150})
