@@ -12,6 +12,7 @@ namespace plantloop {
 struct CsvTable {
   std::vector<std::string> names;            // of the header; "1", "2", ... when the file has none
   std::vector<std::vector<double>> columns;  // all of one length
+  std::vector<std::uint32_t> lines;          // of the file, from 1, of each row
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().size(); }
   int find(std::string_view name) const;  // index of a column, or -1
 };
@@ -28,8 +29,10 @@ struct CsvResult {
 enum class MissingCells { refused, as_nan };
 
 // Reads a whole file. Cells are separated by commas, semicolons or tabs (what the first line holds). Numbers have a
-// decimal point or, where no comma separates, a decimal comma, all of them the same; blank lines and lines that begin
-// with '#' are skipped; the first line is a header unless all its cells are numbers.
+// decimal point or, where no comma separates, a decimal comma, all of them the same, and may stand in quotes; blank
+// lines and lines that begin with '#' are skipped; the first line is a header unless all its cells are numbers, and a
+// row of units may follow it: `u` above `V` is the name `u [V]`. Lines end with LF, CR LF or CR, and may have a
+// separator too many at their end.
 CsvResult read_csv(std::string_view text, MissingCells missing = MissingCells::refused);
 
 }  // namespace plantloop

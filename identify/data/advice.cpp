@@ -8,6 +8,7 @@
 #include <set>
 
 #include "identify/data/preprocess.h"
+#include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/linear/arx.h"
 #include "identify/linear/order.h"
@@ -42,6 +43,7 @@ class Adviser {
     if (data_.inputs.empty()) say("there is no input: only models of the outputs' own past are possible");
     if (data_.missing() > 0 || data_.samples() < 30) return std::move(lines_);
     for (std::size_t i = 0; i < data_.inputs.size(); ++i) excitation(i);
+    if (inputs_are_one()) return std::move(lines_);
     for (std::size_t o = 0; o < data_.outputs.size(); ++o) dynamics(o);
     return std::move(lines_);
   }
@@ -90,6 +92,7 @@ class Adviser {
         say("'{}' has only {} different values: its resolution limits what can be reached", name, levels.size());
       }
     }
+    if (output) offset(name, x);
     if (output || levels.size() > 50) outliers(name, column);
     drift(name, x, *most - *least, output);
   }
@@ -125,6 +128,29 @@ class Adviser {
     }
   }
 
+  // A linear model without a constant is 0 at rest.
+  void offset(const std::string& name, const std::vector<double>& x) {
+    double mean = 0, squares = 0;
+    for (const double v : x) mean += v / static_cast<double>(x.size());
+    for (const double v : x) squares += (v - mean) * (v - mean) / static_cast<double>(x.size());
+    if (std::fabs(mean) > 2 * std::sqrt(squares))
+      say("'{}' lies about {:.4g} and varies by {:.3g} there: a linear model needs a constant for that, offset = true, "
+          "or "
+          "the means removed, remove_means = true",
+          name, mean, std::sqrt(squares));
+  }
+
+  // Nothing more can be said of inputs that carry the same signal.
+  bool inputs_are_one() {
+    bool found = false;
+    for (const std::string& line : undetermined(data_)) {
+      if (line.find("carry the same signal") == std::string::npos) continue;
+      say("{}; leave one of them out", line);
+      found = true;
+    }
+    return found;
+  }
+
   void drift(const std::string& name, const std::vector<double>& x, double range, bool output) {
     if (!output || x.size() < 100) return;
     const auto mean = [](auto begin, auto end) {
@@ -151,10 +177,16 @@ class Adviser {
 
   void dynamics(std::size_t o) {
     if (data_.inputs.empty()) return;
-    const int length =
-        static_cast<int>(std::min<Index>(30, data_.samples() / (4 * static_cast<Index>(data_.inputs.size()) + 4)));
-    if (length < 4) return;
-    const std::vector<int> delays = impulse_delays(data_, o, length);
+    const auto most =
+        static_cast<int>(std::min<Index>(240, data_.samples() / (4 * static_cast<Index>(data_.inputs.size()) + 4)));
+    if (most < 4) return;
+    int length = std::min(30, most);
+    std::vector<int> delays = impulse_delays(data_, o, length);
+    // An effect that is not seen may come later.
+    while (length < most && std::any_of(delays.begin(), delays.end(), [](int d) { return d < 0; })) {
+      length = std::min(2 * length, most);
+      delays = impulse_delays(data_, o, length);
+    }
     for (std::size_t i = 0; i < delays.size(); ++i) {
       if (delays[i] < 0) {
         say("no effect of '{}' on '{}' is seen within {}", data_.inputs[i].name, data_.outputs[o].name,
@@ -175,8 +207,15 @@ class Adviser {
     const Eigen::VectorXcd z = to_state_space(model).poles();
     double slowest = 0;
     for (const auto& pole : z) slowest = std::max(slowest, std::abs(pole));
-    if (slowest >= 1 || slowest <= 0) return;
-    const double constant = -data_.Ts / std::log(slowest);
+    if (slowest <= 0) return;
+    const double constant = slowest < 1 ? -data_.Ts / std::log(slowest) : HUGE_VAL;
+    const double record =
+        data_.Ts * static_cast<double>(data_.samples()) / static_cast<double>(data_.experiments.size());
+    if (constant > record) {
+      say("'{}' integrates or drifts: its slowest time constant is longer than the record ({:.3g} s)",
+          data_.outputs[o].name, record);
+      return;
+    }
     if (constant > 50 * data_.Ts) {
       say("'{}' is sampled fast: its slowest time constant is about {:.3g} s, {:.0f} samples; keep every {:.0f}th "
           "sample or fit the free run, as one-step errors say little",
@@ -228,13 +267,18 @@ std::vector<int> impulse_delays(const DataSet& data, std::size_t output, int len
   std::vector<int> delays;
   Index at = na;
   for (const VectorXd& b : model.B) {
-    int delay = -1;
     const double rounding = 1e-6 * b.cwiseAbs().maxCoeff();  // of data without noise
-    for (Index i = 0; i < b.size() && delay < 0; ++i) {
-      const double deviation = std::sqrt(model.covariance(at + i, at + i));
-      if (std::isfinite(deviation) && std::fabs(b[i]) > 3 * deviation + rounding) delay = static_cast<int>(i);
-    }
-    delays.push_back(delay);
+    const auto first_above = [&](double deviations) {
+      for (Index i = 0; i < b.size(); ++i) {
+        const double deviation = std::sqrt(model.covariance(at + i, at + i));
+        if (std::isfinite(deviation) && std::fabs(b[i]) > deviations * deviation + rounding) return static_cast<int>(i);
+      }
+      return -1;
+    };
+    // Of many coefficients some are large by chance: one must be larger than chance makes any of them, once in a
+    // thousand times; what comes before it may be smaller.
+    const double sure = std::sqrt(2 * std::log(1e3 * static_cast<double>(b.size())));
+    delays.push_back(first_above(sure) < 0 ? -1 : first_above(3.5));
     at += b.size();
   }
   return delays;

@@ -10,12 +10,13 @@
 namespace plantloop::identify {
 
 // One line for each finding, in the order: size, gaps, signals that do not vary, limits and coarse steps of a signal,
-// outliers, drift, excitation, delay, sampling, feedback. Never empty: the first line says what the data are. A finding
-// is a hint with its reason, not a verdict.
+// offset, outliers, drift, excitation, delay, sampling, feedback. Never empty: the first line says what the data are. A
+// finding is a hint with its reason, not a verdict.
 std::vector<std::string> advice(const DataSet& data);
 
 // Delays (samples) at which each input first acts on an output, from an impulse response of `length` terms by least
-// squares: the first term beyond three standard deviations. -1 where none is.
+// squares: the first term beyond 3.5 standard deviations. -1 where none is so large that it stands out of all terms,
+// once in a thousand times by chance.
 std::vector<int> impulse_delays(const DataSet& data, std::size_t output, int length);
 
 // The number of parameters that a signal can determine: the rank of the covariance of windows of `highest`

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 #include "identify/gp/gp_map.h"
 #include "identify/narx/regressor_row.h"
@@ -20,11 +21,6 @@ std::shared_ptr<const GpMap> gp_of(const NarxModel& model) {
   auto map = std::dynamic_pointer_cast<const GpMap>(model.map);
   if (!map) fail("only a Gaussian process knows how uncertain it is, this is '{}'", model.map->type());
   return map;
-}
-
-void check_start(const Experiment& experiment, Index first) {
-  if (!experiment.u.allFinite() || !experiment.y.topRows(std::min(first, experiment.samples())).allFinite())
-    fail("a simulation needs every input, and every output of the first {} samples; values are missing", first);
 }
 
 }  // namespace
@@ -104,9 +100,10 @@ void put_row(MatrixXd& result, Index k, const VectorXd& mean, const MatrixXd& co
 Outputs simulate_uncertain(const NarxModel& model, const DataSet& data, Propagation method, bool feed_noise) {
   const UncertainRun run(gp_of(model), model.regressors, method, feed_noise);
   const Index first = model.regressors.longest_lag(), m = run.outputs();
+  check_data(model, data);
+  check_free_run(data, first);
   Outputs outputs;
   for (const Experiment& experiment : data.experiments) {
-    check_start(experiment, first);
     MatrixXd result = begun(experiment, first);
     VectorXd state = VectorXd::Zero(run.state_size()), next = state, x(model.map->inputs());
     for (Index i = 0; i < run.depth() && first - 1 - i < experiment.samples(); ++i)
@@ -129,11 +126,12 @@ Outputs simulate_monte_carlo(const NarxModel& model, const DataSet& data, int tr
   const auto map = gp_of(model);
   if (trajectories < 2) fail("the number of trajectories is {}; it must be 2 or more", trajectories);
   const Index first = model.regressors.longest_lag(), m = map->outputs();
+  check_data(model, data);
+  check_free_run(data, first);
   const Scaling& ys = map->y_scaling();
   Random random(seed);
   Outputs outputs;
   for (const Experiment& experiment : data.experiments) {
-    check_start(experiment, first);
     MatrixXd result = begun(experiment, first);
     std::vector<MatrixXd> past(static_cast<std::size_t>(trajectories), experiment.y);
     MatrixXd x(trajectories, map->inputs()), f(trajectories, m);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 #include "identify/linear/arx.h"
 #include "identify/linear/least_squares.h"
@@ -29,6 +30,7 @@ void check_range(int least, int most, int lowest, const char* name) {
 double free_run(const PolynomialModel& model, const DataSet& data) {
   if (!model.is_stable()) return infinite;
   const std::size_t output = match(model, data);
+  if (!can_run_free(data, model.orders().longest_lag(), {output})) return infinite;
   const Series simulated = simulate(model, data);
   double sum = 0;
   double count = 0;
@@ -62,6 +64,7 @@ ArxTable arx_table(const DataSet& given, const OrderRange& range, const LinearOp
   // each input.
   const auto inputs = static_cast<int>(given.inputs.size());
   const int width = range.nb_most + range.delay_most - range.delay_least;
+  if (validation != nullptr) check_signals(given.inputs, given.outputs, given.Ts, *validation);
   const LinearTask task =
       prepare(given, {.na = range.na_most, .nb = {width}, .nf = {0}, .delay = {range.delay_least}}, options);
   const ArxRows rows = arx_rows(task.data, task.orders, task.output, task.offset);

@@ -1,6 +1,7 @@
 // Polynomial models in model files.
 
 #include "identify/error.h"
+#include "identify/linear/arx.h"
 #include "identify/linear/polynomial_model.h"
 
 namespace plantloop::identify {
@@ -83,6 +84,9 @@ PolynomialModel polynomial_model_of(const Item& item) {
     if (initial != "rest" && initial != "estimate") item.at("initial").wrong("'initial' is rest or estimate");
     if (initial == "estimate") m.initial = Initial::estimate;
   }
+  if (m.structure != structure_name(m.orders()))
+    item.at("structure")
+        .wrong(fmt::format("the polynomials are those of '{}', not of '{}'", structure_name(m.orders()), m.structure));
   m.variance = item.number("variance");
   const Eigen::Index p = m.parameters().size();
   m.covariance = item.matrix("covariance", p, p);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 #include "identify/linear/filter.h"
 #include "identify/linear/prediction_error.h"
@@ -142,21 +143,7 @@ bool PolynomialModel::integrates() const { return !(std::fabs(A.sum()) > 1e-12 *
 double PolynomialModel::level() const { return has_offset && !integrates() ? y0 + offset / A.sum() : y0; }
 
 std::size_t match(const PolynomialModel& model, const DataSet& data) {
-  check(data);
-  if (model.inputs.size() != data.inputs.size()) {
-    fail("the model has {} inputs and the data have {}", model.inputs.size(), data.inputs.size());
-  }
-  for (std::size_t i = 0; i < model.inputs.size(); ++i) {
-    if (model.inputs[i].name == data.inputs[i].name) continue;
-    fail("input {} of the model is '{}', of the data it is '{}'", i + 1, model.inputs[i].name, data.inputs[i].name);
-  }
-  if (std::fabs(model.Ts - data.Ts) > 1e-9 * model.Ts) {
-    fail("the model's sampling time is {} s, that of the data {} s; resample the data", model.Ts, data.Ts);
-  }
-  for (std::size_t i = 0; i < data.outputs.size(); ++i) {
-    if (data.outputs[i].name == model.output.name) return i;
-  }
-  fail("the data have no output '{}'", model.output.name);
+  return check_signals(model.inputs, model.output, model.Ts, data);
 }
 
 namespace {
@@ -189,6 +176,7 @@ Series simulate(const PolynomialModel& model, const DataSet& data, Start start, 
   const PolynomialModel::Common c = model.common();
   Index first = c.denominator.size() - 1;
   for (const VectorXd& n : c.numerators) first = std::max(first, n.size() - 1);
+  check_free_run(data, start == Start::measured ? first : 0, {output});
   const double level = model.level();
   // Where no level belongs to the constant it drives A y.
   double drift = 0;

@@ -2,8 +2,7 @@
 
 #include "identify/linear/regression_model.h"
 
-#include <cmath>
-
+#include "identify/data/matching.h"
 #include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/linear/least_squares.h"
@@ -17,17 +16,7 @@ using Eigen::VectorXd;
 
 // Names and sampling time fit; the data as the regressors see them.
 DataSet seen(const RegressionModel& m, const DataSet& data) {
-  check(data);
-  const auto same = [](const std::vector<Channel>& a, const std::vector<Channel>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const Channel& x, const Channel& y) { return x.name == y.name; });
-  };
-  if (!same(m.inputs, data.inputs) || !same(m.outputs, data.outputs)) {
-    fail("the signals of the model and of the data do not have the same names");
-  }
-  if (std::fabs(m.Ts - data.Ts) > 1e-9 * m.Ts) {
-    fail("the model's sampling time is {} s, that of the data {} s; resample the data", m.Ts, data.Ts);
-  }
+  check_signals(m.inputs, m.outputs, m.Ts, data);
   return m.normalised ? m.normalisation.apply(data) : data;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 #include "identify/linear/least_squares.h"
 #include "identify/linear/signal_units.h"
@@ -18,20 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-void check_fits(const StateSpaceModel& m, const DataSet& data) {
-  check(data);
-  const auto same = [](const std::vector<Channel>& a, const std::vector<Channel>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const Channel& x, const Channel& y) { return x.name == y.name; });
-  };
-  if (!same(m.inputs, data.inputs) || !same(m.outputs, data.outputs)) {
-    fail("the signals of the model and of the data do not have the same names");
-  }
-  if (std::fabs(m.Ts - data.Ts) > 1e-9 * m.Ts) {
-    fail("the model's sampling time is {} s, that of the data {} s; resample the data", m.Ts, data.Ts);
-  }
-}
 
 MatrixXd respond(const StateSpaceModel& m, const MatrixXd& u, VectorXd x) {
   MatrixXd y(u.rows(), m.C.rows());
@@ -125,7 +112,8 @@ MatrixXd states_at_rest(const StateSpaceModel& model) {
 }
 
 std::vector<MatrixXd> simulate(const StateSpaceModel& model, const DataSet& data, StateStart start, Index samples) {
-  check_fits(model, data);
+  check_signals(model.inputs, model.outputs, model.Ts, data);
+  check_free_run(data);
   std::vector<MatrixXd> result;
   for (const Experiment& e : data.experiments) {
     MatrixXd y = respond(model, e.u, VectorXd::Zero(model.order()));

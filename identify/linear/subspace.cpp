@@ -130,6 +130,8 @@ StateSpaceModel fit_subspace(const DataSet& given, const SubspaceOptions& option
   check(given);
   refuse_missing(given, "the subspace method");
   if (given.inputs.empty()) fail("the subspace method needs an input");
+  if ((given.all_y().rowwise() - given.all_y().row(0)).isZero(0))
+    fail("no output varies: there is no dynamics to find");
   const Index i = options.block_rows;
   if (i < 2 || i > 1000) fail("'block_rows' lies between 2 and 1000, it is {}", i);
   if (options.highest < 1) fail("'highest' is the order to choose from, 1 or more; it is {}", options.highest);

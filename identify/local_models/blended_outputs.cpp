@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 #include "identify/local_models/local_model_network.h"
 #include "identify/narx/regressor_row.h"
@@ -18,10 +19,10 @@ Outputs simulate_blended_outputs(const NarxModel& model, const DataSet& data) {
     fail("outputs can be blended in a network of local models only, this is '{}'", model.map->type());
   const Index first = model.regressors.longest_lag(), d = network->inputs();
   const std::size_t m = network->models().size();
+  check_data(model, data);
+  check_free_run(data, first);
   Outputs outputs;
   for (const Experiment& experiment : data.experiments) {
-    if (!experiment.u.allFinite() || !experiment.y.topRows(std::min(first, experiment.samples())).allFinite())
-      fail("a simulation needs every input, and every output of the first {} samples; values are missing", first);
     MatrixXd blended = experiment.y;
     std::vector<MatrixXd> own(m, blended);
     VectorXd x(d + 1), mu(static_cast<Index>(m));

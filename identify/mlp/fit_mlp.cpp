@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "identify/data/matching.h"
 #include "identify/data/preprocess.h"
 #include "identify/error.h"
 #include "identify/fit/parallel.h"
@@ -322,6 +323,7 @@ std::vector<std::unique_ptr<SimulationTraining>> simulations_of(const Network& s
 NarxMlpFit fit_narx_mlp(const DataSet& data, const RegressorSet& regressors, const DataSet& validation,
                         const MlpOptions& options, const FitControl& control) {
   check_options(options);
+  if (!validation.experiments.empty()) check_signals(data.inputs, data.outputs, data.Ts, validation);
   if (regressors.errors > 0 || options.nc > 0 || options.nd > 0)
     return fit_with_noise(data, regressors, validation, options, control);
   const Regression rows = make_regression(data, regressors);

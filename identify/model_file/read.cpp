@@ -1,5 +1,6 @@
 // Reading model files: YAML by the reader of diagrams, then items with their places.
 
+#include <algorithm>
 #include <memory>
 
 #include "engine/diagram/document.h"
@@ -40,9 +41,22 @@ std::vector<Channel> channels(const Item& data, std::string_view key) {
   return list;
 }
 
+// No line but blank ones and comments.
+bool holds_nothing(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first != std::string_view::npos && line[first] != '#') return false;
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+  }
+  return true;
+}
+
 }  // namespace
 
 Item read_model_file(std::string_view text, const std::string& name) {
+  if (holds_nothing(text))
+    fail("{} is empty; a model file begins with 'plantloop_model: {}'", name, model_file_version);
   const auto source = std::make_shared<const Source>(Source{name, std::string(text)});
   Report report;
   const Node root = read_document(source, report);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "identify/data/matching.h"
 #include "identify/data/undetermined.h"
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
@@ -17,15 +18,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-void check_channels(const NarxModel& model, const DataSet& data) {
-  const auto inputs = static_cast<std::size_t>(model.regressors.data_inputs());
-  if (data.inputs.size() != inputs || data.outputs.size() != model.regressors.outputs.size())
-    fail("the model has {} inputs and {} outputs, the data {} and {}", inputs, model.regressors.outputs.size(),
-         data.inputs.size(), data.outputs.size());
-}
-
 Predictor predictor(const NarxModel& model, const DataSet& data) {
-  check_channels(model, data);
+  check_data(model, data);
   return [map = model.map, scratch = std::vector<double>(static_cast<std::size_t>(model.map->scratch_size()))](
              const VectorXd& x) mutable {
     VectorXd y(map->outputs());
@@ -163,9 +157,13 @@ NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regres
   return model;
 }
 
+void check_data(const NarxModel& model, const DataSet& data) {
+  check_signals(model.channels.inputs, model.channels.outputs, model.channels.Ts, data);
+}
+
 Outputs one_step(const NarxModel& model, const DataSet& data) { return k_step(model, data, 1); }
 Outputs k_step(const NarxModel& model, const DataSet& data, int steps) {
-  check_channels(model, data);
+  check_data(model, data);
   if (model.has_noise_model()) return predict_with_noise(model, data, steps);
   return k_step(model.regressors, data, predictor(model, data), steps);
 }

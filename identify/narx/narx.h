@@ -53,6 +53,9 @@ NarxModel noise_free(const NarxModel& model);
 NarxModel make_narx(std::shared_ptr<const Approximator> map, RegressorSet regressors, const DataSet& data,
                     FitReport fit = {});
 
+// Raises IdentifyError unless the data have the model's signals and its sampling time.
+void check_data(const NarxModel& model, const DataSet& data);
+
 // As the functions of these names in validation/narx_prediction.h. With a noise model the errors before the first
 // prediction of an experiment and those of missing outputs are 0, those of steps that are not measured yet too; the
 // free run is that of noise_free().

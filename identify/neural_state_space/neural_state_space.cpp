@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 #include "identify/model_file/model_file.h"
 #include "identify/random.h"
@@ -47,18 +48,8 @@ namespace {
 
 void check_fits(const NeuralStateSpace& m, const DataSet& data) {
   check(m);
-  check(data);
-  const auto same = [](const std::vector<Channel>& a, const std::vector<Channel>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const Channel& x, const Channel& y) { return x.name == y.name; });
-  };
-  if (!same(m.inputs, data.inputs) || !same(m.outputs, data.outputs))
-    fail("the signals of the model and of the data do not have the same names");
-  if (std::fabs(m.Ts - data.Ts) > 1e-9 * m.Ts)
-    fail("the model's sampling time is {} s, that of the data {} s; resample the data", m.Ts, data.Ts);
-  for (const Experiment& e : data.experiments) {
-    if (!e.u.allFinite()) fail("a free run needs every input; values are missing");
-  }
+  check_signals(m.inputs, m.outputs, m.Ts, data);
+  check_free_run(data);
 }
 
 class Runner {

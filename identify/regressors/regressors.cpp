@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 
 namespace plantloop::identify {
@@ -59,10 +60,7 @@ Regression make_regression(const DataSet& data, const RegressorSet& set, Index f
   if (set.errors > 0)
     fail("'{}' stands for prediction errors; only an mlp is trained with them, as structure NARMAX",
          set.inputs[static_cast<std::size_t>(set.data_inputs())]);
-  if (set.inputs.size() != data.inputs.size() || set.outputs.size() != data.outputs.size()) {
-    fail("the regressors are of {} inputs and {} outputs, the data have {} and {}", set.inputs.size(),
-         set.outputs.size(), data.inputs.size(), data.outputs.size());
-  }
+  check_names(set.inputs, set.outputs, data);
   first = std::max<Index>(first, set.longest_lag());
   Index rows = 0;
   for (const Experiment& e : data.experiments) rows += std::max<Index>(0, e.samples() - first);

@@ -44,6 +44,42 @@ Sums sums(const VectorXd& y, const VectorXd& prediction) {
 
 }  // namespace
 
+Counted check_predictions(const VectorXd& y, const VectorXd& prediction, const VectorXd& variance, Index skipped,
+                          bool partial) {
+  if (y.size() != prediction.size())
+    fail("there are {} measured and {} predicted samples", y.size(), prediction.size());
+  if (variance.size() > 0 && variance.size() != y.size())
+    fail("there are {} predicted samples and {} variances", y.size(), variance.size());
+  Counted counted;
+  Index measured = 0, begun = 0, lost = 0, first_lost = 0;
+  for (Index k = 0; k < y.size(); ++k) {
+    if (std::isnan(y[k])) continue;
+    ++measured;
+    if (std::isnan(prediction[k])) {
+      ++counted.without_prediction;
+      if (begun > 0 && lost++ == 0) first_lost = k;
+      continue;
+    }
+    ++begun;
+    ++counted.samples;
+    if (variance.size() > 0 && !(variance[k] > 0))
+      fail(
+          "the variance of sample {} is {}; it must be greater than 0: leave the first samples out with 'skip', or add "
+          "the variance of the noise",
+          skipped + k + 1, variance[k]);
+  }
+  const std::string rest = skipped > 0 ? fmt::format(" after the first {}", skipped) : "";
+  if (measured == 0) fail("there is no measured sample to compare with{}", rest);
+  if (counted.samples == 0) fail("there is no prediction at any of the {} measured samples{}", measured, rest);
+  if (lost > 0 && !partial)
+    fail(
+        "there is no prediction at {} of {} measured samples, the first of them sample {}: a measure would speak of "
+        "the "
+        "others only. With 'partial = true' they are left out",
+        lost, measured, skipped + first_lost + 1);
+  return counted;
+}
+
 double absolute_error(const VectorXd& y, const VectorXd& prediction) {
   const Sums s = sums(y, prediction);
   return s.absolute / s.count;

@@ -9,8 +9,18 @@
 
 namespace plantloop::identify {
 
+// Raises IdentifyError unless measures of these samples mean something: some sample was measured; from the first
+// prediction on every measured sample has one, unless `partial`; variances, when there are any, are greater than 0
+// where they count. Samples are counted from 1 and from `skipped` + 1. Gives how many samples count, and at how many
+// measured ones there is no prediction.
+struct Counted {
+  Eigen::Index samples = 0, without_prediction = 0;
+};
+Counted check_predictions(const Eigen::VectorXd& y, const Eigen::VectorXd& prediction, const Eigen::VectorXd& variance,
+                          Eigen::Index skipped, bool partial);
+
 // y: measured, prediction: of the model, both of one length; e = y - prediction. Samples at which either is NaN are not
-// counted. All are NaN when no sample is left.
+// counted: see check_predictions(). All are NaN when no sample is left.
 double absolute_error(const Eigen::VectorXd& y, const Eigen::VectorXd& prediction);          // AE = mean |e|
 double squared_error(const Eigen::VectorXd& y, const Eigen::VectorXd& prediction);           // SE = mean e^2
 double root_mean_square_error(const Eigen::VectorXd& y, const Eigen::VectorXd& prediction);  // RMSE = sqrt(SE)

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "identify/data/matching.h"
 #include "identify/error.h"
 
 namespace plantloop::identify {
@@ -19,9 +21,7 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 void check_task(const RegressorSet& set, const DataSet& data) {
   check(data);
-  if (set.inputs.size() == data.inputs.size() && set.outputs.size() == data.outputs.size()) return;
-  fail("the model is of {} inputs and {} outputs, the data have {} and {}", set.inputs.size(), set.outputs.size(),
-       data.inputs.size(), data.outputs.size());
+  check_names(set.inputs, set.outputs, data);
 }
 
 // Rows [from, until) computed in place; `y` holds what they look back to.
@@ -78,18 +78,30 @@ Outputs k_step(const RegressorSet& set, const DataSet& data, const Predictor& f,
 
 Outputs free_run(const RegressorSet& set, const DataSet& data, const Predictor& f) {
   check_task(set, data);
+  check_free_run(data, set.uses_outputs() ? set.longest_lag() : 0);
   const double limit = limit_of(data);
   Outputs result;
   for (const Experiment& e : data.experiments) {
     const Index lag = std::min<Index>(set.longest_lag(), e.samples());
     MatrixXd y = e.y;
-    if (set.uses_outputs() && y.topRows(lag).hasNaN()) {
-      fail("a free run begins with the first {} measured outputs of experiment '{}', and some are missing", lag,
-           e.name);
-    }
     run(set, e.u, y, f, lag, e.samples(), limit);
     result.push_back(std::move(y));
   }
+  return result;
+}
+
+Outputs from_zero(const DataSet& data, Index lag, const std::function<Outputs(const DataSet&)>& run) {
+  DataSet longer = data;
+  for (Experiment& e : longer.experiments) {
+    e.start -= static_cast<double>(lag) * data.Ts;
+    for (MatrixXd* m : {&e.u, &e.y}) {
+      MatrixXd padded = MatrixXd::Zero(m->rows() + lag, m->cols());
+      padded.bottomRows(m->rows()) = *m;
+      *m = std::move(padded);
+    }
+  }
+  Outputs result = run(longer);
+  for (MatrixXd& y : result) y = MatrixXd(y.bottomRows(y.rows() - lag));
   return result;
 }
 

@@ -26,5 +26,8 @@ Outputs k_step(const RegressorSet& set, const DataSet& data, const Predictor& f,
 // All outputs are the model's own; the first longest_lag() rows of each experiment are the measured ones and must not
 // be missing. From where the outputs leave 1e6 times the measured range on, they are infinite: the model diverges.
 Outputs free_run(const RegressorSet& set, const DataSet& data, const Predictor& f);
+// A free run of any model with a past, `run`, from zero: as if `lag` samples with inputs and outputs of 0 went before,
+// so that already the first row is the model's own.
+Outputs from_zero(const DataSet& data, Eigen::Index lag, const std::function<Outputs(const DataSet&)>& run);
 
 }  // namespace plantloop::identify

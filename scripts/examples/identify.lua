@@ -225,7 +225,8 @@ local function judge(model, parts)
     if not ok then return math.huge, -math.huge, {} end
     local skip = math.min(scored_from, part.samples // 4)
     local measured, run = known(part, skip + 1, y)
-    local m = identify.metrics(measured, run)
+    local is_whole, m = pcall(identify.metrics, measured, run)
+    if not is_whole then return math.huge, -math.huge, {} end
     square, count = square + m.SE * #measured, count + #measured
     total, sum = total + pl.sum(measured * measured), sum + pl.sum(measured)
     local cuts = math.max(1, math.min(8, #measured // 25))

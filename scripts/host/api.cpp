@@ -65,8 +65,25 @@ std::vector<TypeInfo> make_api() {
   };
 }
 
-// The parameters' names and types: commas inside braces do not separate.
-std::vector<std::pair<std::string, std::string>> split(std::string_view parameters) {
+std::string function_stub(const std::string& owner, char separator, const Entry& entry, bool skip_first) {
+  std::string text = fmt::format("\n---{}\n", entry.doc);
+  std::string names;
+  for (const auto& [name, type] : split_parameters(entry.parameters)) {
+    if (skip_first) {
+      skip_first = false;
+      continue;
+    }
+    text += fmt::format("---@param {} {}\n", name, type);
+    const bool optional = name.ends_with('?');
+    names += (names.empty() ? "" : ", ") + (optional ? name.substr(0, name.size() - 1) : name);
+  }
+  if (!entry.returns.empty()) text += fmt::format("---@return {}\n", entry.returns);
+  return text + fmt::format("function {}{}{}({}) end\n", owner, separator, entry.name, names);
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> split_parameters(std::string_view parameters) {
   std::vector<std::pair<std::string, std::string>> list;
   std::size_t begin = 0;
   int depth = 0;
@@ -83,26 +100,7 @@ std::vector<std::pair<std::string, std::string>> split(std::string_view paramete
   return list;
 }
 
-// A table of functions inside the module: `pl.identify`.
-bool is_table(std::string_view name) { return name != "pl" && name[0] >= 'a' && name[0] <= 'z'; }
-
-std::string function_stub(const std::string& owner, char separator, const Entry& entry, bool skip_first) {
-  std::string text = fmt::format("\n---{}\n", entry.doc);
-  std::string names;
-  for (const auto& [name, type] : split(entry.parameters)) {
-    if (skip_first) {
-      skip_first = false;
-      continue;
-    }
-    text += fmt::format("---@param {} {}\n", name, type);
-    const bool optional = name.ends_with('?');
-    names += (names.empty() ? "" : ", ") + (optional ? name.substr(0, name.size() - 1) : name);
-  }
-  if (!entry.returns.empty()) text += fmt::format("---@return {}\n", entry.returns);
-  return text + fmt::format("function {}{}{}({}) end\n", owner, separator, entry.name, names);
-}
-
-}  // namespace
+bool is_table_of_functions(std::string_view name) { return name != "pl" && name[0] >= 'a' && name[0] <= 'z'; }
 
 const std::vector<TypeInfo>& api() {
   static const std::vector<TypeInfo> types = make_api();
@@ -125,7 +123,7 @@ void push_module(lua_State* L) {
     if (type.name == "pl") push_functions(L, type.entries);
   }
   for (const TypeInfo& type : api()) {
-    if (!is_table(type.name)) continue;
+    if (!is_table_of_functions(type.name)) continue;
     push_functions(L, type.entries);
     lua_setfield(L, -2, std::string(type.name).c_str());
   }
@@ -163,9 +161,9 @@ std::string lua_stubs() {
     }
     const std::string local = is_module ? "pl" : std::string(type.name);
     text += fmt::format("local {} = {{}}\n", local);
-    const char separator = is_module || lua::is_table(type.name) ? '.' : ':';
+    const char separator = is_module || lua::is_table_of_functions(type.name) ? '.' : ':';
     for (const lua::Entry& entry : type.entries) text += lua::function_stub(local, separator, entry, false);
-    if (lua::is_table(type.name)) text += fmt::format("pl.{} = {}\n", name.substr(3), local);
+    if (lua::is_table_of_functions(type.name)) text += fmt::format("pl.{} = {}\n", name.substr(3), local);
     if (type.name != "Vector") continue;
     for (const lua::Entry& entry : *functions) {
       if (entry.also_method) text += lua::function_stub(local, ':', entry, true);

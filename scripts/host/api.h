@@ -2,7 +2,9 @@
 
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scripts/host/stack.h"
@@ -30,6 +32,11 @@ struct TypeInfo {
   Entries entries;
   std::vector<FieldInfo> fields;
 };
+
+// The names and types of "from: number, options?: {a: number, b: number}": commas inside braces do not separate.
+std::vector<std::pair<std::string, std::string>> split_parameters(std::string_view parameters);
+// A table of functions inside the module: `pl.identify`.
+bool is_table_of_functions(std::string_view name);
 
 // Every type with its methods, the module and its tables.
 const std::vector<TypeInfo>& api();

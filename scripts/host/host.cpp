@@ -20,21 +20,27 @@ struct Job {
   int load_status = LUA_OK;
 };
 
-// Where the script was: the calls that led to the error, in the user's files only.
-std::string trace(lua_State* L) {
+// Where the script was: the calls that led to the error, in the user's files only. A message without a place, as of
+// error(text, 0), is meant for readers who do not know the script, and is left alone.
+std::string trace(lua_State* L, std::string_view message) {
   constexpr int most = 12;
   std::string text;
   int shown = 0;
+  bool has_place = false;
   lua_Debug frame;
   for (int level = 1; lua_getstack(L, level, &frame) != 0; ++level) {
     lua_getinfo(L, "Sln", &frame);
     if (frame.currentline <= 0) continue;
+    has_place = has_place || message.starts_with(fmt::format("{}:{}:", frame.short_src, frame.currentline));
     if (++shown == 1) continue;  // the message begins with it
-    if (shown > most) return text + "\n  ...";
+    if (shown > most) {
+      if (shown == most + 1) text += "\n  ...";
+      continue;
+    }
     text += fmt::format("\n  called from {}:{}", frame.short_src, frame.currentline);
     if (frame.name != nullptr && std::string_view(frame.what) == "Lua") text += fmt::format(" in '{}'", frame.name);
   }
-  return text;
+  return has_place ? text : "";
 }
 
 // What scripts of other hosts look for.
@@ -62,7 +68,7 @@ int to_message(lua_State* L) {
     push_text(L, text);
     return 1;
   }
-  push_text(L, text + missing_library(text) + trace(L));
+  push_text(L, text + missing_library(text) + trace(L, text));
   return 1;
 }
 

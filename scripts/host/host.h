@@ -46,5 +46,7 @@ int run_script_text(std::string_view text, const std::string& path, const std::v
 
 // The functions that scripts may call, as `---@meta` declarations for editors.
 std::string lua_stubs();
+// The same as a page of documentation, docs/lua.md.
+std::string lua_reference();
 
 }  // namespace plantloop

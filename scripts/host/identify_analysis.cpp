@@ -125,21 +125,31 @@ int histogram(lua_State* L) {
 }
 
 int metrics(lua_State* L) {
-  const Options o(L, 3, "the options of metrics", {"skip", "variance"});
+  const Options o(L, 3, "the options of metrics", {"skip", "variance", "partial"});
   const int skip = integer(o, "skip", 0);
+  if (skip < 0) o.wrong("skip", "a number of samples, 0 or more");
   const auto tail = [&](const Eigen::VectorXd& x) {
     return Eigen::VectorXd(x.tail(std::max<Index>(0, x.size() - skip)));
   };
   const Eigen::VectorXd y = tail(vector_of(L, 1, "y"));
   const Eigen::VectorXd prediction = tail(vector_of(L, 2, "prediction"));
+  Eigen::VectorXd variance;
+  const bool with_variance = o.push("variance");
+  if (with_variance) {
+    variance = tail(vector_of(L, -1, "variance"));
+    lua_pop(L, 1);
+  }
+  const identify::Counted counted = identify::check_predictions(y, prediction, variance, skip, o.flag("partial"));
   lua_newtable(L);
+  lua_pushinteger(L, counted.samples);
+  lua_setfield(L, -2, "samples");
+  lua_pushinteger(L, counted.without_prediction);
+  lua_setfield(L, -2, "without_prediction");
   for (const identify::Metric& m : identify::metrics()) {
     lua_pushnumber(L, m.value(y, prediction));
     lua_setfield(L, -2, std::string(m.name).c_str());
   }
-  if (o.push("variance")) {
-    const Eigen::VectorXd variance = tail(vector_of(L, -1, "variance"));
-    lua_pop(L, 1);
+  if (with_variance) {
     field(L, "LD", identify::log_density_error(y, prediction, variance));
     field(L, "coverage", identify::coverage(y, prediction, variance));
   }
@@ -151,9 +161,12 @@ int metrics(lua_State* L) {
 Entries identify_analysis_functions() {
   return {
       {"metrics", guarded<metrics>,
-       "y: pl.Vector, prediction: pl.Vector, options?: {skip?: integer, variance?: pl.Vector}", "table<string, number>",
-       "AE, SE, RMSE, nRMSE, FIT, max; with variances LD and the coverage of the 95 % band; the first `skip` samples "
-       "not counted"},
+       "y: pl.Vector, prediction: pl.Vector, options?: {skip?: integer, variance?: pl.Vector, partial?: boolean}",
+       "table<string, number>",
+       "AE, SE, RMSE, nRMSE, FIT, max; with variances LD and the coverage of the 95 % band; `samples` are counted. Not "
+       "counted are the first `skip`, those that were not measured, and those before the first prediction; a "
+       "prediction "
+       "that is missing later is an error, with `partial` it is left out and `without_prediction` says how many"},
       {"autocorrelation", guarded<autocorrelation>, "e: pl.Vector, lags?: integer", "table",
        "lag, r, band (95 %), band99 of white residuals"},
       {"cross_correlation", guarded<cross_correlation>, "e: pl.Vector, u: pl.Vector, lags?: integer", "table",

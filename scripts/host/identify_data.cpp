@@ -294,7 +294,7 @@ Entries data_methods() {
       {"folds", guarded<folds>, "count?: integer", "{train: pl.DataSet, test: pl.DataSet}[]",
        "contiguous folds for cross-validation; 5 unless told"},
       {"part", guarded<part>, "first: integer, last?: integer", "pl.DataSet",
-       "samples first ... last of each experiment"},
+       "samples first ... last of each experiment; what lies beyond its end is left out"},
       {"experiment", guarded<experiment>, "number: integer", "pl.DataSet", "one of the experiments"},
       {"detrend", guarded<detrend>, "kind?: \"mean\"|\"line\"", "pl.DataSet",
        "without the means of all data, or without a straight line in each experiment"},

@@ -294,7 +294,9 @@ int propagate(lua_State* L) {
 int add(lua_State* L) {
   const NarxModel& model = self(L);
   const GpMap& map = gp_self(L, "takes in single measurements");
-  const identify::Regression rows = identify::make_regression(data_argument(L, 2), model.regressors);
+  const DataSet& data = data_argument(L, 2);
+  identify::check_data(model, data);
+  const identify::Regression rows = identify::make_regression(data, model.regressors);
   NarxModel more = model;
   more.map = identify::with_measurements(map, rows.X, rows.Y);
   more.fit.samples += rows.X.rows();

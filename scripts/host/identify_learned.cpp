@@ -89,6 +89,13 @@ int mlp(lua_State* L) {
   return 1;
 }
 
+// The report, with a warning of the rows that missing values cost.
+identify::FitReport with_gaps(identify::FitReport report, const identify::Regression& rows) {
+  if (rows.left_out > 0)
+    report.warnings.push_back(fmt::format("{} rows with missing values were left out.", rows.left_out));
+  return report;
+}
+
 int rbf_network(lua_State* L) {
   const DataSet& data = data_argument(L, 1);
   const Options o(L, 2, "the options of rbf_network",
@@ -108,7 +115,7 @@ int rbf_network(lua_State* L) {
   const RegressorSet set = plain_regressors(o, data);
   const identify::Regression rows = identify::make_regression(data, set);
   const identify::RbfFit fit = identify::fit_rbf(rows.X, rows.Y, r, control_of(L));
-  push_learned_model(L, identify::make_narx(fit.model, set, data, fit.report));
+  push_learned_model(L, identify::make_narx(fit.model, set, data, with_gaps(fit.report, rows)));
   return 1;
 }
 
@@ -129,14 +136,23 @@ int local_models(lua_State* L) {
   const identify::LocalModelFit fit =
       o.has("cells") ? identify::fit_local_grid(rows.X, rows.Y, integer(o, "cells", 3), l, control_of(L))
                      : identify::fit_lolimot(rows.X, rows.Y, integer(o, "models", 10), l, control_of(L));
-  push_learned_model(L, identify::make_narx(fit.model, set, data, fit.report));
+  push_learned_model(L, identify::make_narx(fit.model, set, data, with_gaps(fit.report, rows)));
   return 1;
 }
 
 const NarxModel& self(lua_State* L) { return held_self<NarxModel>(L, learned_kind); }
 
 int simulate(lua_State* L) {
-  push_outputs(L, identify::free_run(self(L), data_argument(L, 2)));
+  const NarxModel& m = self(L);
+  const auto run = [&m](const DataSet& data) { return identify::free_run(m, data); };
+  const DataSet& data = data_argument(L, 2);
+  push_outputs(L, starts_at_zero(L, 3) ? identify::from_zero(data, m.regressors.longest_lag(), run) : run(data));
+  return 1;
+}
+
+int residuals(lua_State* L) {
+  const DataSet& data = data_argument(L, 2);
+  push_residuals(L, data, identify::one_step(self(L), data));
   return 1;
 }
 
@@ -196,9 +212,13 @@ int prune(lua_State* L) {
   p.iterations = integer(o, "iterations", p.iterations);
   p.least = integer(o, "least", p.least);
   const DataSet& data = data_argument(L, 2);
+  identify::check_data(model, data);
   const identify::Regression rows = identify::make_regression(data, model.regressors);
   identify::Regression test;
-  if (o.push("test")) test = identify::make_regression(data_argument(L, -1), model.regressors);
+  if (o.push("test")) {
+    identify::check_data(model, data_argument(L, -1));
+    test = identify::make_regression(data_argument(L, -1), model.regressors);
+  }
   const identify::Pruned pruned = identify::prune(*map, rows.X, rows.Y, test.X, test.Y, p, control_of(L));
   push_learned_model(L, identify::make_narx(pruned.model, model.regressors, data, pruned.report));
   return 1;
@@ -224,6 +244,8 @@ int fit_free_run(lua_State* L) {
   DataSet none;
   const DataSet* validation = &none;
   if (o.push("validation")) validation = &data_argument(L, -1);
+  identify::check_data(model, data_argument(L, 2));
+  if (validation != &none) identify::check_data(model, *validation);
   push_learned_model(
       L, identify::refine_narx_mlp(data_argument(L, 2), model.regressors, *map, m, false, control_of(L), *validation)
              .model);
@@ -352,8 +374,12 @@ Entries identify_learned_functions() {
 Entries learned_model_methods() {
   Entries all = gaussian_process_methods();
   const Entries own{
-      {"simulate", guarded<simulate>, "data: pl.DataSet", "pl.Vector",
-       "free run: the outputs are the model's own, the first ones measured"},
+      {"simulate", guarded<simulate>, "data: pl.DataSet, options?: {start?: \"measured\"|\"zero\"}", "pl.Vector",
+       "free run: the outputs are the model's own, the first ones measured; start = \"zero\": all are its own, inputs "
+       "and "
+       "outputs were 0 before"},
+      {"residuals", guarded<residuals>, "data: pl.DataSet", "pl.Vector",
+       "measured less predicted one step ahead; the first ones, without a past, are NaN"},
       {"predict", guarded<predict>, "data: pl.DataSet|pl.Vector, steps?: integer", "pl.Vector, pl.Vector?, pl.Vector?",
        "the output that many steps after the last measured one; at points X, a row of regressors each: the output, and "
        "of "

@@ -84,21 +84,20 @@ int armax(lua_State* L) { return fit(L, "armax", {"na", "nb", "nc"}); }
 int oe(lua_State* L) { return fit(L, "oe", {"nb", "nf"}); }
 int bj(lua_State* L) { return fit(L, "bj", {"nb", "nc", "nd", "nf"}); }
 
-Options arx_like(lua_State* L, const char* name) {
-  std::vector<std::string> keys{"na", "nb", "passes"};
+Options arx_like(lua_State* L, const char* name, std::vector<std::string> keys) {
   keys.insert(keys.end(), common_keys.begin(), common_keys.end());
   return {L, 2, fmt::format("the options of {}", name), keys};
 }
 
 int filtered(lua_State* L) {
-  const Options o = arx_like(L, "filtered");
+  const Options o = arx_like(L, "filtered", {"na", "nb", "passes"});
   push_model(L,
              identify::fit_filtered(data_argument(L, 1), orders_of(L, o), linear_options(o), integer(o, "passes", 30)));
   return 1;
 }
 
 int instrumental(lua_State* L) {
-  const Options o = arx_like(L, "instrumental");
+  const Options o = arx_like(L, "instrumental", {"na", "nb"});
   push_model(L, identify::fit_instrumental(data_argument(L, 1), orders_of(L, o), linear_options(o)));
   return 1;
 }
@@ -379,7 +378,7 @@ Entries identify_linear_functions() {
       {"bj", guarded<bj>, bj_options, "pl.LinearModel", "y = q^-delay B/F u + C/D v: Box-Jenkins"},
       {"filtered", guarded<filtered>, filtered_options, "pl.LinearModel",
        "an output-error model by least squares of signals filtered by 1/A of the pass before"},
-      {"instrumental", guarded<instrumental>, filtered_options, "pl.LinearModel",
+      {"instrumental", guarded<instrumental>, arx_options, "pl.LinearModel",
        "ARX by instrumental variables: unbiased with coloured noise"},
       {"state_space", guarded<state_space>,
        "data: pl.DataSet, options?: {order?: integer, highest?: integer, block_rows?: integer, remove_means?: boolean, "

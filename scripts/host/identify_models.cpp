@@ -24,6 +24,23 @@ int simulate_state_space(lua_State* L) {
   return 1;
 }
 
+// Without a model of the noise, what is measured tells the state at the start and nothing later.
+std::vector<Eigen::MatrixXd> predicted_linear(lua_State* L, const identify::DataSet& data) {
+  return identify::simulate(held_self<StateSpaceModel>(L, state_space_kind), data, identify::StateStart::estimated);
+}
+
+int predict_state_space(lua_State* L) {
+  if (is_given(L, 3)) integer_argument(L, 3, "steps", 1, 1'000'000);
+  push_outputs(L, predicted_linear(L, data_argument(L, 2)));
+  return 1;
+}
+
+int residuals_state_space(lua_State* L) {
+  const identify::DataSet& data = data_argument(L, 2);
+  push_residuals(L, data, predicted_linear(L, data));
+  return 1;
+}
+
 int state_space_response(lua_State* L) {
   const auto number = [L](int at, const char* what) {
     return static_cast<std::size_t>(is_given(L, at) ? integer_argument(L, at, what, 1, 1000) - 1 : 0);
@@ -116,7 +133,16 @@ int polynomial(lua_State* L) {
 const RegressionModel& narx(lua_State* L) { return held_self<RegressionModel>(L, regression_kind); }
 
 int simulate_narx(lua_State* L) {
-  push_outputs(L, identify::free_run(narx(L), data_argument(L, 2)));
+  const RegressionModel& m = narx(L);
+  const auto run = [&m](const identify::DataSet& data) { return identify::free_run(m, data); };
+  const identify::DataSet& data = data_argument(L, 2);
+  push_outputs(L, starts_at_zero(L, 3) ? identify::from_zero(data, m.regressors.longest_lag(), run) : run(data));
+  return 1;
+}
+
+int residuals_narx(lua_State* L) {
+  const identify::DataSet& data = data_argument(L, 2);
+  push_residuals(L, data, identify::one_step(narx(L), data));
   return 1;
 }
 
@@ -246,6 +272,10 @@ Entries state_space_methods() {
       {"simulate", guarded<simulate_state_space>,
        "data: pl.DataSet, options?: {start?: \"estimated\"|\"zero\", samples?: integer}", "pl.Vector",
        "free run from the state that fits best, or from rest"},
+      {"predict", guarded<predict_state_space>, "data: pl.DataSet, steps?: integer", "pl.Vector",
+       "the output for any number of steps ahead: as there is no model of the noise, that of the free run from the "
+       "estimated start"},
+      {"residuals", guarded<residuals_state_space>, "data: pl.DataSet", "pl.Vector", "measured less predicted"},
       {"response", guarded<state_space_response>, "w: pl.Vector, input?: integer, output?: integer", "table",
        "frequency response: w, magnitude, phase"},
       {"save", guarded<save_state_space>, "path: string", "string", "writes a model file, .yaml; gives the path"},
@@ -254,10 +284,14 @@ Entries state_space_methods() {
 
 Entries regression_model_methods() {
   return {
-      {"simulate", guarded<simulate_narx>, "data: pl.DataSet", "pl.Vector",
-       "free run: the outputs are the model's own, the first ones measured"},
+      {"simulate", guarded<simulate_narx>, "data: pl.DataSet, options?: {start?: \"measured\"|\"zero\"}", "pl.Vector",
+       "free run: the outputs are the model's own, the first ones measured; start = \"zero\": all are its own, inputs "
+       "and "
+       "outputs were 0 before"},
       {"predict", guarded<predict_narx>, "data: pl.DataSet, steps?: integer", "pl.Vector",
        "the output that many steps after the last measured one"},
+      {"residuals", guarded<residuals_narx>, "data: pl.DataSet", "pl.Vector",
+       "measured less predicted one step ahead; the first ones, without a past, are NaN"},
       {"fit_free_run", guarded<fit_narx_free_run>, "data: pl.DataSet, options?: integer|{iterations?: integer}",
        "pl.RegressionModel", "the same regressors fitted to the error of the free run"},
       {"save", guarded<save_narx>, "path: string", "string", "writes a model file, .yaml; gives the path"},

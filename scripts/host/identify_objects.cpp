@@ -33,6 +33,18 @@ void push_outputs(lua_State* L, const std::vector<Eigen::MatrixXd>& parts) {
   push_columns(L, all);
 }
 
+void push_residuals(lua_State* L, const identify::DataSet& data, std::vector<Eigen::MatrixXd> predictions) {
+  for (std::size_t i = 0; i < predictions.size(); ++i) predictions[i] = data.experiments[i].y - predictions[i];
+  push_outputs(L, predictions);
+}
+
+bool starts_at_zero(lua_State* L, int index) {
+  const Options o(L, index, "the options of simulate", {"start"});
+  const std::string start = o.text("start", "measured");
+  if (start != "measured" && start != "zero") o.wrong("start", "measured or zero");
+  return start == "zero";
+}
+
 identify::StateStart start_of(const Options& o) {
   const std::string start = o.text("start", "estimated");
   if (start != "estimated" && start != "zero") o.wrong("start", "estimated or zero");

@@ -113,6 +113,8 @@ void push_matrix(lua_State* L, const Eigen::MatrixXd& m);
 void push_columns(lua_State* L, const Eigen::MatrixXd& m);
 // Of each experiment samples x outputs: below each other.
 void push_outputs(lua_State* L, const std::vector<Eigen::MatrixXd>& parts);
+// Measured less predicted, as the predictions stand.
+void push_residuals(lua_State* L, const identify::DataSet& data, std::vector<Eigen::MatrixXd> predictions);
 void push_texts(lua_State* L, const std::vector<std::string>& texts);
 // {method = ..., reached = ..., tried = {...}, ..., text = "..."}
 void push_report(lua_State* L, const identify::FitReport& report);
@@ -132,6 +134,8 @@ inline Eigen::Index start_samples(const Options& o) {
 }
 // How a free run begins: "start", estimated or zero.
 identify::StateStart start_of(const Options& o);
+// The same of a model of regressors at `index`: "start", measured or zero; true for zero.
+bool starts_at_zero(lua_State* L, int index);
 std::vector<std::string> texts(lua_State* L, const Options& options, const char* key);
 
 // Ends a fit when a limit of the script is passed.

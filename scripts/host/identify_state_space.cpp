@@ -49,6 +49,23 @@ int simulate(lua_State* L) {
   return 1;
 }
 
+// Without a model of the noise, what is measured tells the state at the start and nothing later.
+std::vector<Eigen::MatrixXd> predicted_neural(lua_State* L, const identify::DataSet& data) {
+  return identify::simulate(self(L), data, identify::StateStart::estimated);
+}
+
+int predict(lua_State* L) {
+  if (is_given(L, 3)) integer_argument(L, 3, "steps", 1, 1'000'000);
+  push_outputs(L, predicted_neural(L, data_argument(L, 2)));
+  return 1;
+}
+
+int residuals(lua_State* L) {
+  const identify::DataSet& data = data_argument(L, 2);
+  push_residuals(L, data, predicted_neural(L, data));
+  return 1;
+}
+
 int fit_free_run(lua_State* L) {
   const Options o(L, 3, "the options of fit_free_run", {"iterations", "decay"});
   identify::NeuralStateSpaceOptions n;
@@ -101,6 +118,10 @@ Entries neural_state_space_methods() {
   return {
       {"simulate", guarded<simulate>, "data: pl.DataSet, options?: {start?: \"estimated\"|\"zero\", samples?: integer}",
        "pl.Vector", "free run from the most probable state given the first samples, or from the state 0"},
+      {"predict", guarded<predict>, "data: pl.DataSet, steps?: integer", "pl.Vector",
+       "the output for any number of steps ahead: as there is no model of the noise, that of the free run from the "
+       "estimated start"},
+      {"residuals", guarded<residuals>, "data: pl.DataSet", "pl.Vector", "measured less predicted"},
       {"fit_free_run", guarded<fit_free_run>, "data: pl.DataSet, options?: {iterations?: integer, decay?: number}",
        "pl.NeuralStateSpace", "the same model trained on"},
       {"save", guarded<save>, "path: string", "string", "writes a model file, .yaml; gives the path"},

@@ -40,6 +40,25 @@ TEST(Csv, ReadsDecimalCommasWhereNoCommaSeparates) {
   EXPECT_EQ(tabs.table.columns[0], (std::vector{0.5, 1.0}));
 }
 
+TEST(Csv, ReadsQuotedNumbersTrailingSeparatorsAndOldLineEnds) {
+  for (const char* const text : {"t,y\n\"0\",\"1.5\"\n1,\"2.5\"\n", "t,y,\n0,1.5,\n1,2.5,\n", "t,y\n0,1.5,\n1,2.5,\n",
+                                 "t,y\r0,1.5\r1,2.5\r", "t,y\r\n0,1.5\r\n\r\n1,2.5"}) {
+    const CsvResult csv = read_csv(text);
+    ASSERT_TRUE(csv.ok()) << text << csv.error;
+    EXPECT_EQ(csv.table.names, (std::vector<std::string>{"t", "y"})) << text;
+    EXPECT_EQ(csv.table.columns[0], (std::vector{0.0, 1.0})) << text;
+    EXPECT_EQ(csv.table.columns[1], (std::vector{1.5, 2.5})) << text;
+  }
+  EXPECT_EQ(read_csv("# rig\nt,y\n\n0,1\n").table.lines, (std::vector<std::uint32_t>{4}));
+}
+
+TEST(Csv, ARowOfUnitsBecomesPartOfTheNames) {
+  const CsvResult csv = read_csv("time,u [V],y,z\ns,V,(m/s),-\n0,1,2,3\n");
+  ASSERT_TRUE(csv.ok()) << csv.error;
+  EXPECT_EQ(csv.table.names, (std::vector<std::string>{"time [s]", "u [V]", "y [m/s]", "z"}));
+  EXPECT_EQ(csv.table.rows(), 1U);
+}
+
 TEST(Csv, SaysWhatIsWrongAndWhere) {
   const auto error = [](std::string_view text) {
     const CsvResult csv = read_csv(text);
@@ -59,6 +78,14 @@ TEST(Csv, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(error("t,y\n0,\n"), "2:3: the value of 'y' is missing");
   EXPECT_EQ(error("t,t\n0,1\n"), "1:3: two columns are called 't'");
   EXPECT_EQ(error("t,\n0,1\n"), "1:3: column 2 has no name");
+  EXPECT_EQ(error("t,y,\n0,1,2\n"), "1:5: column 3 has no name");
+  EXPECT_EQ(error("t y\n0 1\n"),
+            "2:1: '0 1' is no number; values are separated as the first line is, by commas, semicolons or tabs");
+  EXPECT_EQ(error("t,y\nseconds,volts\n0,1\n"),
+            "2:1: 'seconds' is no number and no unit; below the header stand numbers, or a row of units");
+  EXPECT_EQ(error("t,y\n\"0\",\"1,5\"\n"), "2:5: '1,5' is no number");
+  EXPECT_EQ(error(std::string_view("\xFF\xFEt\0,\0y\0", 8)),
+            "1:1: the file is in UTF-16; save it in UTF-8 (spreadsheets call it CSV UTF-8)");
   EXPECT_EQ(error("# nothing\n"), "1:0: it holds no line with values");
   EXPECT_EQ(error("t,y\n0,nan\n"), "2:3: 'nan' is no number");
 }

@@ -10,6 +10,7 @@
 #include "engine/base/files.h"
 #include "engine/diagram/model.h"
 #include "engine/graph/describe.h"
+#include "scripts/host/host.h"
 
 namespace plantloop {
 namespace {
@@ -37,6 +38,19 @@ TEST(Docs, TheSchemaIsWhatTheProgramPrints) {
 
 TEST(Docs, ThePageOfTheChecksIsWhatTheProgramPrints) {
   expect_fresh("docs/checks.md", checks_markdown(), "check --list");
+}
+
+TEST(Docs, ThePageOfTheFunctionsIsWhatTheProgramPrints) {
+  expect_fresh("docs/lua.md", lua_reference(), "schema --functions");
+}
+
+TEST(Docs, ThePageOfTheFunctionsNamesOptionsAndTheirValues) {
+  const std::string page = text_of("docs/lua.md");
+  for (const char* const part :
+       {"### `pl.identify.mlp(data, options)`", "  - `regressors` (needed): `string`",
+        "`activation`: one of `sigmoid`, `tanh`", "`covariance`: one of `linear`, `matern_3_2`",
+        "`function`: one of `gaussian`", "`method`: one of `levenberg_marquardt`", "### `model:residuals(data)`"})
+    EXPECT_THAT(page, testing::HasSubstr(part));
 }
 
 // The complete diagrams in a page: its blocks of YAML that begin with a comment or the version.

@@ -121,7 +121,7 @@ TEST_F(IdentifyExample, SaysWhatIsWrongWithARecord) {
     std::string text, complaint;
   } records[] = {
       {"", "bad.csv:0:0: it holds no line with values"},
-      {"time,u,y\n", "bad.csv has one sample in each experiment: give the sampling time Ts in s"},
+      {"time,u,y\n", "bad.csv has a header and no rows"},
       {rows(2, plain), "'y' has 2 samples; a search of structures that holds some of them back needs 100"},
       {rows(60, plain), "'y' has 60 samples; a search of structures that holds some of them back needs 100"},
       {rows(300, [](int k) { return fmt::format("{},{},3\n", 0.1 * k, k % 7); }), "none of the outputs varies"},
@@ -140,8 +140,8 @@ TEST_F(IdentifyExample, SaysWhatIsWrongWithARecord) {
        "outputs, the others are then left out, as in inputs=flow,valve outputs=level"},
       {"time,y,y\n0,1,2\n", "bad.csv:1:8: two columns are called 'y'"},
       {"time,u,y\n0,1,2\n1,1,2\n2,1,2\n7,1,2\n8,1,2\n",
-       "bad.csv: time goes from 2 s to 7 s at row 4, but most steps are 1 s; the times of an experiment must grow "
-       "evenly: leave cells of missing samples empty, and number the experiments in a column 'experiment'"},
+       "bad.csv:5: the time goes from 2 s to 7 s, but most steps are 1 s; leave the cells of missing samples empty, or "
+       "number the parts of the record in a column 'experiment'"},
   };
   for (const auto& record : records) {
     std::ofstream("bad.csv") << record.text;

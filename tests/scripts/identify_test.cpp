@@ -89,6 +89,46 @@ TEST_F(Identification, DataKeepNamesUnitsAndParts) {
             "510\t306\t204\tu\tlevel\t510\t0.1\n[1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9]\ntrue");
 }
 
+TEST_F(Identification, EveryModelPredictsLeavesResidualsAndRunsFromRest) {
+  EXPECT_EQ(with_data(R"lua(
+      local short, lags = data:part(100, 200), "level(k-1), u(k-1)"
+      local models = {identify.arx(data, {na = 1, nb = 1}), identify.state_space(data, {order = 1}),
+                      identify.regression(data, {regressors = lags}),
+                      identify.local_models(data, {regressors = lags, models = 1}),
+                      identify.neural_state_space(data, {order = 1, hidden = 0, starts = 1, iterations = 50})}
+      -- y(k) = 0.8 y(k-1) + 0.5 u(k-1) from y = u = 0 before the first sample.
+      local rest = pl.zeros(#short.u)
+      for k = 2, #rest do rest[k] = 0.8 * rest[k - 1] + 0.5 * short.u[k - 1] end
+      for i, m in ipairs(models) do
+        local e, p = m:residuals(short), m:predict(short)
+        local first = 3
+        local tail = e:slice(first, #e) - (short.y:slice(first, #e) - p:slice(first, #e))
+        print(#e, tail:abs():max() < 1e-12, e:slice(first, #e):abs():max() < 1e-3,
+              -- The state 0 of the last one is the middle of its data.
+              i == #models or (m:simulate(short, {start = "zero"}) - rest):slice(first, #e):abs():max() < 1e-3)
+      end)lua"),
+            "101\ttrue\ttrue\ttrue\n101\ttrue\ttrue\ttrue\n101\ttrue\ttrue\ttrue\n101\ttrue\ttrue\ttrue\n101\ttrue\ttru"
+            "e\ttrue");
+}
+
+TEST_F(Identification, AnErrorWithoutAPlaceIsToldWithoutATrace) {
+  const ScriptResult result =
+      run("local function f() error('the record is too short', 0) end\nlocal function g() f() end\ng()");
+  EXPECT_EQ(result.messages, "the record is too short\n");
+}
+
+TEST_F(Identification, LearnersSayWhatMissingValuesCost) {
+  EXPECT_EQ(with_data(R"lua(
+      local holed = data.y:slice(1, 510)
+      holed[100] = pl.nan
+      local gap = identify.data{u = data.u, y = holed, Ts = 0.1}
+      for _, m in ipairs{identify.rbf_network(gap, {regressors = "y(k-1), u(k-1)", functions = 5}),
+                         identify.local_models(gap, {regressors = "y(k-1), u(k-1)", models = 2})} do
+        print(m.report.warnings[#m.report.warnings])
+      end)lua"),
+            "2 rows with missing values were left out.\n2 rows with missing values were left out.");
+}
+
 TEST_F(Identification, ModelsComeBackFromTheirFiles) {
   EXPECT_EQ(with_data(R"lua(
       local models = {identify.oe(data, {nb = 1, nf = 1}), identify.state_space(data, {order = 1}),

@@ -54,6 +54,31 @@ TEST(Advice, SeesLimitsOutliersDriftAndGaps) {
   EXPECT_THAT(advice(make_data_set(input, y, 1)), Contains(HasSubstr("1 value is missing")));
 }
 
+TEST(Advice, FindsLongDelays) {
+  const VectorXd long_input = staircase(2000, 1, 4, -1, 1, 5);
+  EXPECT_THAT(advice(make_data_set(long_input, respond(long_input, 69), 0.1)),
+              Contains("'u' acts on 'y' after about 70 samples"));
+  // None is made up where there is no effect at all.
+  EXPECT_THAT(advice(make_data_set(long_input, white_noise(2000, 1, 11), 0.1)),
+              Contains("no effect of 'u' on 'y' is seen within 240 samples"));
+}
+
+TEST(Advice, SeesOffsetsAndInputsThatAreOne) {
+  EXPECT_THAT(advice(make_data_set(input, respond(input).array() + 100, 1)),
+              Contains(HasSubstr("a linear model needs a constant for that, offset = true")));
+  Eigen::MatrixXd both(600, 2);
+  both << input, -2 * input;
+  EXPECT_THAT(
+      advice(make_data_set(both, respond(input), 1)),
+      Contains("'u1' and 'u2' carry the same signal: their effects cannot be told apart; leave one of them out"));
+}
+
+TEST(Advice, ARampHasNoTimeConstant) {
+  const auto lines = advice(make_data_set(prbs(8, 1, 1, 200), VectorXd::LinSpaced(200, 16777217, 16777416), 1));
+  EXPECT_THAT(lines, Contains(HasSubstr("'y' integrates or drifts"))) << ::testing::PrintToString(lines);
+  EXPECT_THAT(lines, Not(Contains(HasSubstr("keep every"))));
+}
+
 TEST(Advice, SeesFastSamplingAndFeedback) {
   const VectorXd slow = staircase(3000, 300, 600, -1, 1, 3);
   const VectorXd y = filter(Eigen::Vector2d(0, 0.005), Eigen::Vector2d(1, -0.995), slow) + white_noise(3000, 1e-4, 1);

@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
+#include "engine/base/files.h"
 #include "identify/data/data_csv.h"
 #include "identify/error.h"
 
@@ -75,14 +77,15 @@ TEST(DataSet, TimesOfSixDigitsMayBeLongerThanTheSamplingTimeResolves) {
   };
   EXPECT_NEAR(read_data_csv(times(-1), "long.csv").Ts * 610.35, 1, 1e-5);
   EXPECT_NE(message([&] { read_data_csv(times(100'000), "long.csv"); }), "");
-  EXPECT_NE(message([&] { read_data_csv(times(1000), "long.csv"); }).find("at row 1001,"), std::string::npos);
+  EXPECT_NE(message([&] { read_data_csv(times(1000), "long.csv"); }).find("long.csv:1002: the time goes from"),
+            std::string::npos);
 }
 
 TEST(DataSet, SaysWhatIsWrongWithACsvFile) {
   EXPECT_EQ(
       message([] { read_data_csv("time,u,y\n0,1,1\n1,1,1\n3,1,1\n4,1,1\n", "a.csv"); }),
-      "a.csv: time goes from 1 s to 3 s at row 3, but most steps are 1 s; the times of an experiment must grow evenly: "
-      "leave cells of missing samples empty, and number the experiments in a column 'experiment'");
+      "a.csv:4: the time goes from 1 s to 3 s, but most steps are 1 s; leave the cells of missing samples empty, or "
+      "number the parts of the record in a column 'experiment'");
   EXPECT_EQ(
       message([] { read_data_csv("time,volt,y\n0,1,1\n1,1,1\n", "a.csv"); }),
       "a.csv: 'volt' is no time and neither an input (u...) nor an output (y...); say which columns are inputs and "
@@ -94,6 +97,76 @@ TEST(DataSet, SaysWhatIsWrongWithACsvFile) {
   EXPECT_EQ(message([] { read_data_csv("u,y\n1,1\n", "a.csv"); }),
             "a.csv has no column 'time': give the sampling time Ts in s");
   EXPECT_EQ(message([] { read_data_csv("time,u,y\n0,1,x\n", "a.csv"); }), "a.csv:2:5: 'x' is no number");
+}
+
+TEST(DataSet, TimesAreReadInTheUnitOfTheirHeader) {
+  for (const auto& [header, Ts] :
+       {std::pair("time [ms]", 0.1), {"Time (ms)", 0.1}, {"t", 100.0}, {"TIME [min]", 6000.0}}) {
+    const DataSet data = read_data_csv(fmt::format("{},u,y\n50,1,1\n150,1,2\n250,1,3\n", header), "a.csv");
+    EXPECT_NEAR(data.Ts / Ts, 1, 1e-12) << header;
+    EXPECT_NEAR(data.experiments[0].start / Ts, 0.5, 1e-12) << header;
+  }
+}
+
+TEST(DataSet, UnitsMayStandInRoundBracketsOrInARowOfTheirOwn) {
+  for (const char* const text : {"time (ms),u (V),y (m/s)\n0,1,1\n10,1,2\n", "time,u,y\nms,V,m/s\n0,1,1\n10,1,2\n",
+                                 "time,u [V],y\n[ms],,(m/s)\n0,1,1\n10,1,2\n"}) {
+    const DataSet data = read_data_csv(text, "a.csv");
+    EXPECT_EQ(data.inputs[0], (Channel{"u", "V"})) << text;
+    EXPECT_EQ(data.outputs[0], (Channel{"y", "m/s"})) << text;
+    EXPECT_EQ(data.Ts, 0.01) << text;
+    EXPECT_EQ(data.samples(), 2) << text;
+  }
+  // Brackets that belong to the name.
+  EXPECT_EQ(channel_of("y(1)").name, "y(1)");
+  EXPECT_EQ(channel_of("y (inlet)").name, "y (inlet)");
+}
+
+TEST(DataSet, TimesMayBeRoundedToTheDigitsOfTheirColumn) {
+  const auto times = [](int decimals, double Ts, int left_out) {
+    std::string text = "time,u,y\n";
+    for (int k = 0; k < 200; ++k) {
+      if (k != left_out) text += fmt::format("{:.{}f},1,2\n", k * Ts, decimals);
+    }
+    return text;
+  };
+  EXPECT_NEAR(read_data_csv(times(2, 0.0333, -1), "a.csv").Ts, 0.0333, 0.01 / 199);
+  EXPECT_NE(message([&] { read_data_csv(times(2, 0.0333, 120), "a.csv"); }), "");
+  // Digits that do not tell the samples apart need Ts, and are then taken as they come.
+  EXPECT_NE(message([&] { read_data_csv(times(1, 0.0333, -1), "a.csv"); }), "");
+  EXPECT_EQ(read_data_csv(times(1, 0.0333, -1), "a.csv", {{}, {}, 0.0333}).Ts, 0.0333);
+  // With Ts a time belongs to the instant that it is nearest to; a sample that is not there is still found.
+  const auto shaken = [](int left_out) {
+    std::string text = "time,u,y\n";
+    for (int k = 0; k < 100; ++k) {
+      if (k != left_out) text += fmt::format("{:.9f},1,2\n", 0.1 * k + 0.03 * std::sin(3.0 * k * k));
+    }
+    return text;
+  };
+  EXPECT_NE(message([&] { read_data_csv(shaken(-1), "a.csv"); }), "");
+  EXPECT_EQ(read_data_csv(shaken(-1), "a.csv", {{}, {}, 0.1}).Ts, 0.1);
+  EXPECT_NE(message([&] { read_data_csv(shaken(40), "a.csv", {{}, {}, 0.1}); }), "");
+  EXPECT_NE(message([&] { read_data_csv(times(1, 0.1, 40), "a.csv", {{}, {}, 0.1}); }), "");
+}
+
+TEST(DataSet, SinglePrecisionTimesLateInARecordAreEven) {
+  std::string text = "time,u,y\n";
+  for (int k = 0; k < 200; ++k) text += fmt::format("{:.10g},1,2\n", static_cast<float>(1e5 + 0.1 * k));
+  EXPECT_NEAR(read_data_csv(text, "a.csv").Ts, 0.1, 1e-4);
+}
+
+// tests/errors/data/<name>.csv beside <name>.txt.
+TEST(DataSet, TellsWhatIsWrongInAFile) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("tests/errors/data")) {
+    if (entry.path().extension() != ".csv") continue;
+    const FileResult text = read_file(entry.path().string());
+    const FileResult expected = read_file(std::filesystem::path(entry.path()).replace_extension(".txt").string());
+    const std::string name = entry.path().filename().string();
+    EXPECT_EQ(message([&] { read_data_csv(text.value, name); }) + "\n", expected.value) << name;
+    ++count;
+  }
+  EXPECT_GT(count, 5);
 }
 
 TEST(DataSet, NamedColumnsLeaveTheOthersOut) {
