@@ -23,12 +23,13 @@ using Eigen::VectorXd;
 template <typename Number>
 struct Product {
   std::size_t count;
+  Number one;
   // Not set to zero: this is made for each pair of points.
   std::array<Number, 2 * most_factors> mean;
   std::array<std::array<Number, 2 * most_factors>, 2 * most_factors> covariance;  // [f][g] for f < g
-  explicit Product(std::size_t factors) : count(factors) {}                       // NOLINT
+  Product(std::size_t factors, Number unit) : count(factors), one(unit) {}        // NOLINT
   Number expectation(unsigned left) const {
-    if (left == 0) return Number{1};
+    if (left == 0) return one;
     std::size_t first = 0;
     while ((left >> first & 1U) == 0) ++first;
     const unsigned rest = left & ~(1U << first);
@@ -71,8 +72,8 @@ double dot(const MatrixXd& a, Index i, const MatrixXd& b, Index j) {
 MatrixXd root_of(const MatrixXd& s) {
   bool finished = true;
   return pivoted_root(
-      s.diagonal().cwiseMax(0.0), 1e-15 * s.diagonal().cwiseAbs(), s.rows(), [&](Index j) { return s.col(j); },
-      finished);
+      MatrixXd(s.rows(), 0), s.diagonal().cwiseMax(0.0), 1e-15 * s.diagonal().cwiseAbs(), s.rows(),
+      [&](Index j) { return s.col(j); }, finished);
 }
 
 // E k(x, x): of factors b + x'A x; of two of them with the covariance 2 tr(A S B S) + 4 mu'A S B mu.
@@ -102,15 +103,18 @@ TermMoments moments_of(const GaussianTerm& term, const UncertainPoint& x, Kernel
   m.shift = m.less * half;
   m.root = over(sum.root, cholesky(one_plus(sum.root.transpose() * term.w.asDiagonal() * sum.root)));
   // (I + W S)^-1 (W nu E prod + sum_f slope_f E prod of the others)
-  MatrixXd g = r.asDiagonal() * factor.transpose().triangularView<Eigen::Upper>().solve(half);
+  m.pull = r.asDiagonal() * factor.transpose().triangularView<Eigen::Upper>().solve(half);
+  const MatrixXd scaled = under(factor, r.asDiagonal().toDenseMatrix());
+  m.bend = scaled.transpose() * scaled;
+  MatrixXd g = m.pull;
 
   const std::size_t count = term.factors.size();
   std::vector<MatrixXd> spread;
   for (const GaussianTerm::Affine& f : term.factors) {
     m.slope.emplace_back(f.a.asDiagonal() * z);
     const MatrixXd& slope = m.slope.back();
-    m.mean.emplace_back(
-        (slope.transpose() * x.mean + (slope.cwiseProduct(m.shift)).colwise().sum().transpose()).array() + f.b);
+    m.value.emplace_back((slope.transpose() * x.mean).array() + f.b);
+    m.mean.emplace_back(m.value.back() + slope.cwiseProduct(m.shift).colwise().sum().transpose());
     spread.emplace_back(m.root.transpose() * slope);
   }
   if (count == 0) {
@@ -120,7 +124,7 @@ TermMoments moments_of(const GaussianTerm& term, const UncertainPoint& x, Kernel
   }
   MatrixXd slopes = MatrixXd::Zero(z.rows(), z.cols());
   for (Index i = 0; i < z.cols(); ++i) {
-    Product<double> product{count};
+    Product<double> product(count, 1);
     for (std::size_t f = 0; f < count; ++f) product.mean[f] = m.mean[f][i];
     if (count == 2) product.covariance[0][1] = spread[0].col(i).dot(spread[1].col(i));
     const unsigned all = (1U << count) - 1;
@@ -241,7 +245,7 @@ class TermPair {
     if (count == 0) return {1, 0};
     if (count == 1) return first == 1 ? mean_a(0) : mean_b(0);
     if (first == 1 && count == 2) return mean_a(0) * mean_b(0) + Changed{0, dot(a.slope[0], i, b.slope[0], j)};
-    Product<Changed> product(count);
+    Product<Changed> product(count, {1, 0});
     for (std::size_t f = 0; f < first; ++f) product.mean[f] = mean_a(f);
     for (std::size_t f = first; f < count; ++f) {
       product.mean[f] = mean_b(f - first);

@@ -36,6 +36,9 @@ struct TermMoments {
   Eigen::MatrixXd n;                   // D x N
   Eigen::MatrixXd shift;               // D x N: the mean of the normal density, from mu
   Eigen::VectorXd base;                // N: the number before it
+  Eigen::MatrixXd pull;                // D x N: R (I + R S R)^-1 n
+  Eigen::MatrixXd bend;                // D x D: R (I + R S R)^-1 R
+  std::vector<Eigen::VectorXd> value;  // of each factor at mu: N
   std::vector<Eigen::VectorXd> mean;   // of each factor: N
   std::vector<Eigen::MatrixXd> slope;  // of each factor: D x N
   Eigen::MatrixXd root;                // D x rank of S: M = root root'

@@ -9,16 +9,15 @@
 
 namespace plantloop::identify {
 
-// C = G G' + rest by Cholesky's method with pivots, until no diagonal element of the rest exceeds that of `enough` or G
-// has `most` columns. `left` is the diagonal of C, N; column(j) gives column j of C; returns G, N x columns. `finished`
-// tells whether the rest is below `enough` everywhere.
+// C = G G' + rest by Cholesky's method with pivots, until no diagonal element of the rest exceeds that of `enough` or
+// `most` columns have been added to those that G begins with, N x any. `left` is the diagonal of what these leave of C,
+// N; column(j) gives column j of C; returns G. `finished` tells whether the rest is below `enough` everywhere.
 template <typename Column>
-Eigen::MatrixXd pivoted_root(Eigen::VectorXd left, const Eigen::VectorXd& enough, Eigen::Index most,
+Eigen::MatrixXd pivoted_root(Eigen::MatrixXd G, Eigen::VectorXd left, const Eigen::VectorXd& enough, Eigen::Index most,
                              const Column& column, bool& finished) {
   using Eigen::Index;
-  const Index n = left.size();
-  Eigen::MatrixXd G(n, std::min<Index>(n, 8));
-  Index columns = 0;
+  const Index n = left.size(), end = G.cols() + most;
+  Index columns = G.cols();
   const auto next_pivot = [&] {
     Index pivot = -1;
     double greatest = 1;
@@ -31,8 +30,8 @@ Eigen::MatrixXd pivoted_root(Eigen::VectorXd left, const Eigen::VectorXd& enough
     return pivot;
   };
   Index pivot = next_pivot();
-  for (; columns < most && pivot >= 0; ++columns) {
-    if (columns == G.cols()) G.conservativeResize(n, std::min(n, 2 * columns));
+  for (; columns < end && pivot >= 0; ++columns) {
+    if (columns == G.cols()) G.conservativeResize(n, std::min(end, 2 * columns + 8));
     G.col(columns) = column(pivot);
     G.col(columns) -= G.leftCols(columns) * G.row(pivot).head(columns).transpose();
     G.col(columns) /= std::sqrt(left[pivot]);

@@ -91,6 +91,10 @@ Propagator::Propagator(std::vector<const GpPosterior*> models, Propagation metho
     any_sparse = any_sparse || model->is_sparse();
   }
   first_.push_back(points);
+  constexpr int most_directions = 8;
+  const Index most_columns = points <= 200 ? 126 : 56;
+  for (int r = 1; r <= std::min(most_directions, models_.front()->inputs()); ++r)
+    indices_.emplace_back(r, most_columns);
   // Columns cost as much as the matrix itself where there are some hundred points: then some must do. Inducing inputs
   // are few, and their beta is too large for what is left.
   const auto size = static_cast<double>(points);
@@ -125,25 +129,30 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
   const auto outputs = static_cast<Index>(count);
   std::vector<KernelMoments> moments;
   for (std::size_t a = 0; a < count; ++a) moments.emplace_back(terms_[a], models_[a]->x(), point);
-  std::vector<std::vector<KernelPairs>> pairs(count);
-  VectorXd diagonal(first_.back()), enough(first_.back());
-  for (std::size_t a = 0; a < count; ++a) {
-    for (std::size_t b = 0; b < count; ++b) pairs[a].emplace_back(moments[a], moments[b]);
-    const VectorXd own = pairs[a][a].diagonal().cwiseMax(0.0);
-    diagonal.segment(first_[a], own.size()) = own;
-    // Below this is rounding, which K^-1 would make large.
-    enough.segment(first_[a], own.size()).setConstant(2e-15 * own.maxCoeff());
-  }
-  const auto column = [&](Index j) {
-    std::size_t b = 0;
-    while (first_[b + 1] <= j) ++b;
-    VectorXd all(first_.back());
-    for (std::size_t a = 0; a < count; ++a)
-      all.segment(first_[a], models_[a]->x().rows()) = pairs[a][b].column(j - first_[b]);
-    return all;
-  };
   bool finished = true;
-  const MatrixXd G = pivoted_root(diagonal, enough, rank_, column, finished);
+  MatrixXd G = series(moments, finished);
+  const Index of_series = G.cols();
+  std::vector<std::vector<KernelPairs>> pairs(count);
+  if (!finished) {
+    VectorXd diagonal(first_.back()), enough(first_.back());
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = 0; b < count; ++b) pairs[a].emplace_back(moments[a], moments[b]);
+      const VectorXd own = pairs[a][a].diagonal().cwiseMax(0.0);
+      diagonal.segment(first_[a], own.size()) = own;
+      // Below this is rounding, which K^-1 would make large.
+      enough.segment(first_[a], own.size()).setConstant(2e-15 * own.maxCoeff());
+    }
+    const auto column = [&](Index j) {
+      std::size_t b = 0;
+      while (first_[b + 1] <= j) ++b;
+      VectorXd all(first_.back());
+      for (std::size_t a = 0; a < count; ++a)
+        all.segment(first_[a], models_[a]->x().rows()) = pairs[a][b].column(j - first_[b]);
+      return all;
+    };
+    const VectorXd left = diagonal - G.rowwise().squaredNorm();
+    G = pivoted_root(std::move(G), left, enough, rank_, column, finished);
+  }
 
   UncertainPrediction result{VectorXd(outputs), MatrixXd(outputs, outputs), MatrixXd(outputs, point.mean.size())};
   MatrixXd mixed(G.cols(), outputs);  // (L^-1 G)'(L^-1 y) of each model
@@ -154,9 +163,17 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
     const GpPosterior& model = *models_[a];
     VectorXd q = moments[a].q;
     solve_lower(model.factor(), q);
+    // Of the last columns of the series P makes less than the rounding of k.
     MatrixXd H = G.middleRows(first_[a], model.x().rows());
+    Index known = G.cols();
+    const double little = 1e-17 * model.hyperparameters().v0 * moments[a].k;
+    if (!model.is_sparse() && known == of_series) {
+      while (known > 0 && H.col(known - 1).squaredNorm() < little) --known;
+    }
+    mixed.col(o).tail(G.cols() - known) = H.rightCols(G.cols() - known).transpose() * model.alpha();
+    H.conservativeResize(Eigen::NoChange, known);
     solve_lower(model.factor(), H);
-    mixed.col(o) = H.transpose() * model.whitened();
+    mixed.col(o).head(known) = H.transpose() * model.whitened();
     result.mean[o] = model.whitened().dot(q);
     result.slope.row(o) = model.weighted(moments[a].g).transpose();
     certain[o] = moments[a].k - model.known(q) - model.known(H);
@@ -174,6 +191,37 @@ UncertainPrediction Propagator::moment_matching(const UncertainPoint& point) con
   mirror_lower(result.covariance);
   for (Index o = 0; o < outputs; ++o) result.covariance(o, o) = std::max(result.covariance(o, o), 0.0);
   return result;
+}
+
+MatrixXd Propagator::series(const std::vector<KernelMoments>& moments, bool& converged) const {
+  const auto r = static_cast<std::size_t>(moments.front().root.cols());
+  MatrixXd G(first_.back(), 0);
+  converged = r == 0;
+  if (converged || r > indices_.size()) return G;
+  const MultiIndices& indices = indices_[r - 1];
+  std::vector<HermiteSeries> all;
+  for (const KernelMoments& its : moments) all.emplace_back(its, indices);
+  std::vector<double> greatest(moments.size(), 0.0);
+  G.resize(first_.back(), indices.end(indices.degrees()) - 1);
+  Index columns = 0;
+  // Twice, since even or odd degrees may be 0.
+  int small = 0;
+  for (int degree = 1; degree <= indices.degrees() && small < 2; ++degree) {
+    bool is_small = true;
+    const Index more = indices.end(degree) - indices.begin(degree);
+    for (std::size_t a = 0; a < moments.size(); ++a) {
+      const MatrixXd c = all[a].next();
+      const double now = c.cwiseAbs().maxCoeff();  // not its square, which far points make 0
+      greatest[a] = std::max(greatest[a], now);
+      is_small = is_small && now <= 3e-17 * greatest[a];
+      G.block(first_[a], columns, c.rows(), more) = c;
+    }
+    columns += more;
+    small = is_small ? small + 1 : 0;
+  }
+  converged = small == 2;
+  G.conservativeResize(Eigen::NoChange, columns);
+  return G;
 }
 
 // What G leaves of C, block by block.

@@ -9,6 +9,7 @@
 
 #include "identify/gp/gaussian_process.h"
 #include "identify/gp/gaussian_terms.h"
+#include "identify/gp/hermite.h"
 #include "identify/gp/posterior.h"
 
 namespace plantloop::identify {
@@ -44,11 +45,15 @@ class Propagator {
   // noise beta and P are large, so C of all models together is taken apart, C = G G', and with the factors L
   //   cov_ab = (L_a^-1 G_a)'w_a . (L_b^-1 G_b)'w_b,
   //   var_a  = k - q'P q + |(L^-1 G)'w|^2 - tr(G'P G).
+  // G begins with a series in Hermite's polynomials: where functions are known almost exactly, beta makes much of what
+  // is far below the rounding of C. Where the series is too long, C is taken apart for what it leaves.
   UncertainPrediction predict(const UncertainPoint& point) const;
 
  private:
   UncertainPrediction first_order(const UncertainPoint& point) const;
   UncertainPrediction moment_matching(const UncertainPoint& point) const;
+  // The columns of the series; `converged`: there is no more.
+  Eigen::MatrixXd series(const std::vector<KernelMoments>& moments, bool& converged) const;
   void add_rest(const std::vector<std::vector<KernelPairs>>& pairs, const Eigen::MatrixXd& G,
                 Eigen::MatrixXd& covariance) const;
 
@@ -57,6 +62,7 @@ class Propagator {
   std::vector<const GpPosterior*> models_;
   Propagation method_;
   std::vector<std::vector<GaussianTerm>> terms_;  // of each covariance
+  std::vector<MultiIndices> indices_;             // of 1, 2, ... uncertain directions
   std::vector<Eigen::Index> first_;               // where each model begins in G; last, its rows
   Eigen::Index rank_ = 0;                         // columns of G, at most
   std::vector<Eigen::MatrixXd> spread_;           // beta beta' - P, for what is left of C; empty: nothing ever is

@@ -209,6 +209,30 @@ TEST(MomentMatching, KeepsEightDigitsWithLittleNoise) {
   }
 }
 
+// Of data without noise a fit takes long lengths and a great variance, and the weights of the points cancel to the last
+// digit: C must be known far below its own rounding.
+TEST(MomentMatching, KeepsItsDigitsWithoutNoise) {
+  const MatrixXd x = random_points(40, 2, 111);
+  const VectorXd y = x.col(0).array().sin() + 0.3 * x.col(1).array();
+  const VectorXd of_se_ard = (VectorXd(3) << 0.11, 8e-5, 874).finished();
+  const VectorXd of_product = (VectorXd(9) << 2e-6, 2e-5, 3.3, 1660, 1e-5, 1.6e-3, 0.35, 5e-4, 0.004).finished();
+  std::vector<GaussianProcess> models;
+  models.emplace_back(find_covariance("se_ard"), MeanFunction::zero, Hyperparameters{of_se_ard, 6e-8}, x, y);
+  models.emplace_back(find_covariance("se_ard*linear + se_ard"), MeanFunction::constant,
+                      Hyperparameters{of_product, 6e-8}, x, y);
+  const Propagator propagator(models, Propagation::moment_matching);
+  for (const UncertainPoint& point : {point_with(0.2, 0.05, 0.1), point_with(0.01, 0.002, 0.005)}) {
+    // The means of the second one agree to seven digits only.
+    const UncertainPrediction found = propagator.predict(point), expected = by_quadrature(models, point, 40);
+    for (Index a = 0; a < 2; ++a) {
+      EXPECT_NEAR(found.mean[a], expected.mean[a], 1e-7);
+      for (Index b = 0; b < 2; ++b)
+        EXPECT_NEAR(found.covariance(a, b), expected.covariance(a, b),
+                    (a + b == 0 ? 1e-8 : 3e-7) * std::fabs(expected.covariance(a, b)));
+    }
+  }
+}
+
 // Far away both the expectations and what they are multiplied by leave the range of numbers.
 TEST(MomentMatching, FarFromAllPointsIsThePrior) {
   const std::vector<GaussianProcess> models = models_of("se_ard", MeanFunction::zero);
