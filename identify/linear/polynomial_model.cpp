@@ -187,7 +187,16 @@ Series simulate(const PolynomialModel& model, const DataSet& data, Start start, 
   Series result;
   for (const Experiment& e : data.experiments) {
     VectorXd y = VectorXd::Constant(e.samples(), drift);
-    for (std::size_t i = 0; i < c.numerators.size(); ++i) y += filter(c.numerators[i], monic(0), input(model, e, i));
+    for (std::size_t i = 0; i < c.numerators.size(); ++i) {
+      const VectorXd& numerator = c.numerators[i];
+      const VectorXd u = input(model, e, i);
+      y += filter(numerator, monic(0), u);
+      if (start != Start::estimated || u.size() == 0) continue;
+      // An input whose delay reaches before the record is taken to have been what it is at first.
+      for (Index early = 0; early < std::min(numerator.size() - 1, y.size()); ++early) {
+        y[early] += numerator.tail(numerator.size() - 1 - early).sum() * u[0];
+      }
+    }
     Index k = 0;
     if (start == Start::measured) {
       for (; k < std::min(first, e.samples()); ++k) y[k] = e.y(k, static_cast<Index>(output)) - level;

@@ -78,8 +78,9 @@ PolynomialModel make_polynomial_model(const Orders& orders, const DataSet& data,
 enum class Start {
   zero,      // from rest at the operating point, at the level of the offset
   measured,  // the first samples (as many as the longest lag) are the measured ones
-  // From the past that fits the first measured samples best, in least squares. It is the better start of models that
-  // are not driven by measured outputs, as noise in a few samples may hide a slow state.
+  // From the past that fits the first measured samples best, in least squares, the inputs held before the record. It is
+  // the better start of models that are not driven by measured outputs, as noise in a few samples may hide a slow
+  // state.
   estimated,
 };
 

@@ -74,6 +74,8 @@ const std::vector<Field<StateSpaceModel>>& state_space_fields_list() {
          parts << z.real(), z.imag();
          push_matrix(L, parts);
        }},
+      {"level", "pl.Vector", "of the outputs at rest, with the inputs at their operating point",
+       [](lua_State* L, const M& m) { push_numbers(L, m.y0); }},
       {"Ts", "number", "s", [](lua_State* L, const M& m) { lua_pushnumber(L, m.Ts); }},
       {"stable", "boolean", "all poles inside the unit circle",
        [](lua_State* L, const M& m) { lua_pushboolean(L, m.is_stable() ? 1 : 0); }},

@@ -48,10 +48,10 @@ TEST_F(Identification, EstimatesAConstantAndThePastOfTheRecord) {
       oe:save "oe.yaml"
       print(identify.load "oe.yaml":simulate(cut) == oe:simulate(cut))
       local ss = identify.state_space(cut, {order = 1, block_rows = 5, offset = true})
-      print(("%.6f"):format(identify.metrics(cut.y, ss:simulate(cut)).max))
+      print(("%.6f %.6f"):format(identify.metrics(cut.y, ss:simulate(cut)).max, ss.level[1]))
       print(pcall(identify.oe, cut, {initial = "zero"})))lua"),
       "0.600000 3.000000 offset\n3.000000 -0.800000 0.500000 estimate\n0.000000\ttrue\nnil\trest\n3.000000\ntrue\n"
-      "0.000000\nfalse\t'initial' must be rest or estimate, it is the text 'zero'");
+      "0.000000 3.000000\nfalse\t'initial' must be rest or estimate, it is the text 'zero'");
 }
 
 TEST_F(Identification, FitsOfTheFreeRunListTheirOptions) {

@@ -362,6 +362,19 @@ TEST(Offset, ComesBackFromTheFileAndRunsInEachForm) {
   EXPECT_LT((k_step(m, data, 120, Initial::rest)[0] - simulate(m, data, Start::zero)[0]).norm(), 1e-9);
 }
 
+// A record begins while the input has stood at 2 for long, through a delay of 12 samples: a run that is estimated from
+// the first 5 outputs goes on as the process does, although what the delay holds is not in them.
+TEST(Simulation, TakesInputsBeforeTheRecordAsHeld) {
+  VectorXd u = VectorXd::Constant(80, 2);
+  u.tail(60).setConstant(-1);
+  const VectorXd all = filter((VectorXd(15) << VectorXd::Zero(13), 1, 0.5).finished(), numbers(1, -1.5, 0.7),
+                              (VectorXd(380) << VectorXd::Constant(300, 2), u).finished());
+  const DataSet data = make_data_set(u, all.tail(80), 1);
+  PolynomialModel m = make_polynomial_model({.nb = {2}, .nf = {2}, .delay = {12}}, data, 0);
+  m.set_parameters(oe_theta);
+  EXPECT_LT((simulate(m, data, Start::estimated, 5)[0] - data.all_y()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 // A constant makes a ramp of what integrates: A = 1 - q^-1, y(k) = y(k-1) + 0.5 u(k-1) + 0.25.
 TEST(Offset, OfAnIntegratorIsARamp) {
   const DataSet data = make_data_set(lcg(3, 30), MatrixXd::Constant(30, 1, 4), 1);
@@ -439,6 +452,11 @@ TEST(Offset, SaysWhatIsWrong) {
   EXPECT_EQ(message([&] { fit_linear(data, bj, {.offset = true}); }), "no error");
   EXPECT_EQ(message([&] { fit_linear(part(data, 0, 9), bj, {.offset = true}); }),
             "9 parameters, of which 2 are of the past before the records, cannot be estimated from 9 samples");
+  PolynomialModel integrator = make_polynomial_model({.na = 1, .nb = {0}, .nf = {0}, .delay = {0}}, data, 0);
+  integrator.has_offset = true;
+  integrator.set_parameters(numbers(-1, 0.5));
+  EXPECT_EQ(message([&] { to_state_space(integrator); }),
+            "the constant drives an integrator, and no input of the model could make up for it");
   std::string text = to_yaml("linear_model", to_item(fit_linear(data, oe, {.offset = true})));
   text.replace(text.find("initial: estimate"), 17, "initial: guess");
   EXPECT_NE(
