@@ -671,7 +671,7 @@ local function identify_output(output)
     if i == 1 then
       for _, functions in ipairs{15, 40} do
         one_step("radial functions", ("%d radial functions"):format(functions), #splits * functions * math.min(rows / #splits, 2000) * rows / #splits * 2e-8, s, function(x, regressors)
-          return identify.rbf_network(x, {regressors = regressors, functions = functions, width = 0.7, ridge = 1e-8})
+          return identify.rbf_network(x, {regressors = regressors, functions = functions, width = 0.7})
         end)
       end
     end

@@ -134,7 +134,8 @@ TEST(NeuralStateSpace, SaysWhatDoesNotFit) {
   const NeuralStateSpace m = by_hand();
   DataSet data = data_of(m, Eigen::Vector2d(0, 0), 30);
   data.experiments[0].u(4, 0) = std::nan("");
-  EXPECT_EQ(refusal([&] { simulate(m, data); }), "a free run needs every input; values are missing");
+  EXPECT_THAT(refusal([&] { simulate(m, data); }),
+              HasSubstr("a free run needs every input, and 'u' is missing at sample 5 (time 2 s)"));
   std::string text = to_yaml("neural_state_space", to_item(m));
   text.replace(text.find("order: 2"), 8, "order: 3");
   EXPECT_THAT(refusal([&] { neural_state_space_of(read_model_file(text, "m.yaml")); }),
