@@ -314,7 +314,7 @@ local function identify_output(output)
     -- Delays of any length by small models: the least that is not clearly worse than the best, as above.
     local far, long = math.min(60, splits[1].train.samples // 25), -1
     local found, first = pcall(identify.order_table, splits[1].train,
-                               {na = {1, 2}, nb = {1, 2}, delay = {-1, far}, remove_means = true, validation = splits[1].held})
+                               {na = {1, 2}, nb = {1, 2}, delay = {-1, far}, offset = true, validation = splits[1].held})
     if found then
       long = first.best.simulated.delay
       for _, c in ipairs(first) do
@@ -322,7 +322,7 @@ local function identify_output(output)
       end
     end
     if long > 4 then
-      local ran, d, rmse = pcall(identify.delay_table, splits[1].train, {order = 2, delay = {math.max(-1, long - 10), long + 10}, remove_means = true})
+      local ran, d, rmse = pcall(identify.delay_table, splits[1].train, {order = 2, delay = {math.max(-1, long - 10), long + 10}, offset = true})
       if ran then
         local least = pl.min(rmse)
         for i = #d, 1, -1 do
@@ -334,7 +334,7 @@ local function identify_output(output)
     if inputs > 1 and found then
       delay = math.max(long, 0)
       local function error_of(list)
-        local ok, model = pcall(identify.oe, splits[1].train, {nb = 2, nf = 2, delay = list, remove_means = true, iterations = 15})
+        local ok, model = pcall(identify.oe, splits[1].train, {nb = 2, nf = 2, delay = list, offset = true, iterations = 15})
         return ok and (judge(model, splits[1].held_parts)) or math.huge
       end
       local now = delays(delay)
@@ -354,13 +354,13 @@ local function identify_output(output)
     local range = long > 4 and {long - 2, long + 3} or {-1, 6}
     if math.max(table.unpack(later)) > 0 then range = {long, long} end
     local ok, list = pcall(identify.order_table, splits[1].train,
-                           {na = {1, highest}, nb = {1, highest}, delay = range, remove_means = true, validation = splits[1].held})
+                           {na = {1, highest}, nb = {1, highest}, delay = range, offset = true, validation = splits[1].held})
     if ok then
       for _, by in ipairs{"MDL", "simulated"} do
         local c = list.best[by]
         best_arx[#best_arx + 1] = c
         try("ARX", ("ARX na %d nb %d delay %d, by %s"):format(c.na, c.nb, c.delay, by == "MDL" and by or "free run"), 0.1,
-            function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = delays(c.delay), remove_means = true}) end)
+            function(d) return identify.arx(d, {na = c.na, nb = c.nb, delay = delays(c.delay), offset = true}) end)
       end
       -- The least delay that is not clearly worse than the best: a slow process does not tell where its delay ends.
       delay = list.best.simulated.delay
@@ -373,15 +373,15 @@ local function identify_output(output)
     for _, d in ipairs(ds) do
       for nf = 1, highest > 3 and 6 or 4 do
         local c = try("output error", ("output error nb %d nf %d delay %d"):format(nf, nf, d), rows * nf * 2e-5,
-            function(x) return identify.oe(x, {nb = nf, nf = nf, delay = delays(d), remove_means = true, iterations = 60}) end)
+            function(x) return identify.oe(x, {nb = nf, nf = nf, delay = delays(d), offset = true}) end)
         if c and (not best_oe or c.held < 0.98 * best_oe.held) then best_oe, delay, order = c, d, nf end
       end
     end
     try("Box-Jenkins", ("Box-Jenkins nb %d nc 1 nd 2 nf %d delay %d"):format(order, order, delay), rows * 1e-4,
-        function(d) return identify.bj(d, {nb = order, nc = 1, nd = 2, nf = order, delay = delays(delay), remove_means = true, iterations = 60}) end)
+        function(d) return identify.bj(d, {nb = order, nc = 1, nd = 2, nf = order, delay = delays(delay), offset = true}) end)
     for n = 1, highest do
       try("state space", ("state space of order %d by subspace"):format(n), rows * 1e-4,
-          function(d) return identify.state_space(d, {order = n, remove_means = true}) end)
+          function(d) return identify.state_space(d, {order = n, offset = true}) end)
     end
   end
 
