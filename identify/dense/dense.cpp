@@ -48,6 +48,7 @@ const Lapack& lapack() {
 }
 
 void solve(const MatrixXd& l, Eigen::Ref<MatrixXd> b, bool transposed) {
+  if (b.size() == 0) return;  // Eigen would bind a reference to the first of no numbers
   if (b.cols() >= 16 && l.rows() >= large && lapack().is_there()) {
     const int m = static_cast<int>(b.rows()), n = static_cast<int>(b.cols()), lda = static_cast<int>(l.rows());
     const int ldb = static_cast<int>(b.outerStride());

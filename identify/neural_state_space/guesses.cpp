@@ -20,6 +20,23 @@ using Eigen::VectorXd;
 
 namespace {
 
+// Gaps become lines, the ends hold the nearest value; outputs of which an experiment has none are at their mean.
+DataSet without_gaps(const DataSet& normalised) {
+  DataSet filled = fill_missing(normalised, Fill::line);
+  for (Experiment& e : filled.experiments) {
+    for (Index o = 0; o < e.y.cols(); ++o) {
+      auto y = e.y.col(o);
+      Index first = 0, last = y.size() - 1;
+      while (first < y.size() && std::isnan(y[first])) ++first;
+      while (last > first && std::isnan(y[last])) --last;
+      const bool none = first == y.size();
+      y.head(first).setConstant(none ? 0 : y[first]);
+      if (!none) y.tail(y.size() - 1 - last).setConstant(y[last]);
+    }
+  }
+  return filled;
+}
+
 Scaling scaling_of_measured(const MatrixXd& y) {
   Scaling scaling = no_scaling(y.cols());
   for (Index c = 0; c < y.cols(); ++c) {
@@ -143,7 +160,7 @@ StateSpaceTask make_task(const DataSet& data, const std::vector<int>& delay, con
     e.u = task.u.normalised(delayed(e.u, delay));
     e.y = task.y.normalised(e.y);
   }
-  task.filled = task.data.missing() > 0 ? fill_missing(task.data, Fill::line) : task.data;
+  task.filled = task.data.missing() > 0 ? without_gaps(task.data) : task.data;
   return task;
 }
 

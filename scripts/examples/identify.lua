@@ -159,7 +159,16 @@ local function experiments_of(data, output)
   return parts
 end
 
-local function joined(parts) return #parts == 1 and parts[1] or identify.join(table.unpack(parts)) end
+local function joined(parts)
+  if #parts == 1 then return parts[1] end
+  local whole, measured, gaps = identify.join(table.unpack(parts)), {}, false
+  for i, part in ipairs(parts) do
+    measured[i] = as_measured[part] or part
+    gaps = gaps or as_measured[part] ~= nil
+  end
+  if gaps then as_measured[whole] = identify.join(table.unpack(measured)) end
+  return whole
+end
 
 -- Parts of time as shares of each experiment: a list of {from, until}, as a list of data sets.
 local function cut(parts, shares)
@@ -599,10 +608,12 @@ local function identify_output(output)
       s.hidden > 0 and (", %d neurons"):format(s.hidden) or "",
       s.out > 0 and (", %d of the output%s"):format(s.out, s.projections > 0 and ", Wiener" or "") or "", delay_words(s.d), s.decay, thorough and ", long" or "")
     local candidate = try("neural state space", what, work, function(x)
-      return identify.neural_state_space(x, {order = s.order, hidden = s.hidden, output_hidden = s.out, projections = s.projections,
+      return identify.neural_state_space(as_measured[x] or x, {order = s.order, hidden = s.hidden, output_hidden = s.out, projections = s.projections,
         integrating = s.integrating, feedthrough = s.d < 0, delay = list, decay = s.decay, starts = starts, refined = refined,
         iterations = iterations, seed = seed})
-    end, function(x, model) return model:fit_free_run(x, {iterations = x.samples < 3000 and 400 or 150, decay = s.decay}) end)
+    end, function(x, model)
+      return model:fit_free_run(as_measured[x] or x, {iterations = x.samples < 3000 and 400 or 150, decay = s.decay})
+    end)
     budget = kept
     if candidate and candidate.held < math.huge and (not best_neural or candidate.held < best_neural.held) then
       best_neural = candidate

@@ -134,6 +134,8 @@ DataSet two_by_two(Index samples, std::uint64_t seed) {
 TEST(FitNeuralStateSpace, TakesSeveralInputsAndOutputsAndMissingOnes) {
   DataSet data = two_by_two(400, 7);
   for (Index k = 5; k < 400; k += 11) data.experiments[0].y(k, k % 2) = std::nan("");
+  data.experiments[0].y.topLeftCorner(3, 1).setConstant(std::nan(""));
+  data.experiments[0].y.bottomRows(2).setConstant(std::nan(""));
   const NeuralStateSpace m =
       fit_neural_state_space(data, {.order = 2, .hidden = {8}, .decay = 1e-5, .iterations = 150});
   const DataSet test = two_by_two(300, 17);
