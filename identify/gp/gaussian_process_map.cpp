@@ -94,7 +94,7 @@ double GpMap::log_likelihood(Index output) const {
 Likelihood GpMap::likelihood(Index output) const {
   Likelihood found = process(output).likelihood();
   found.value -= target_scales(output).array().log().sum();
-  found.by_inducing = found.by_inducing * x_.scale.cwiseInverse().asDiagonal();
+  if (found.by_inducing.size() > 0) found.by_inducing = found.by_inducing * x_.scale.cwiseInverse().asDiagonal();
   return found;
 }
 
