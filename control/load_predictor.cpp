@@ -48,12 +48,13 @@ LoadedPredictor of_model(const std::string& path) {
   if (const auto found = kept.find([&](const auto& of, const auto&) { return of == model; })) return *found;
   LoadedPredictor loaded;
   loaded.error = !model->error.empty() ? model->error
-                 : model->neural ? fmt::format("'{}' holds a neural state-space model; make a diagram with the block "
-                                               "neural_state_space the model, and say which signals are its input "
-                                               "and output",
-                                               path)
-                 : model->linear       ? why_no_predictor(*model->linear)
-                                       : why_no_predictor(*model);
+                 : model->neural       ? fmt::format(
+                                             "'{}' holds a neural state-space model; make a diagram with the block "
+                                                   "neural_state_space the model, and say which signals are its input "
+                                                   "and output",
+                                             path)
+                 : model->linear ? why_no_predictor(*model->linear)
+                                 : why_no_predictor(*model);
   if (!loaded.error.empty()) return loaded;
   if (model->linear) {
     loaded.predictor = std::make_shared<LinearPredictor>(model->linear, true);
