@@ -84,7 +84,7 @@ std::vector<Beginning> beginnings(const DataSet& data, int order) {
   if (data.outputs.size() == 1 && inputs > 0) {
     or_not([&] {
       Orders orders;
-      // All inputs share the poles when the error of an ARX model filtered by them is the output error.
+      // Each input has poles of its own; together they make the order where it is a multiple of the inputs.
       orders.nb.assign(static_cast<std::size_t>(inputs), std::max(1, order / static_cast<int>(inputs)));
       orders.nf = orders.nb;
       orders.delay.assign(static_cast<std::size_t>(inputs), 0);
